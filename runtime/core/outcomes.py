@@ -1,6 +1,7 @@
 """Every way in which a run can end, and what to try next."""
 
 from enum import IntEnum, unique
+from typing import Any
 
 from codegen.errors import InputError
 from codegen.readers.values import shown
@@ -17,7 +18,7 @@ class Outcome(IntEnum):
     meaning: str
     advice: str
 
-    def __new__(cls, text: str) -> "Outcome":
+    def __new__(cls, text: Any) -> "Outcome":
         """The outcome of the next number."""
         one = int.__new__(cls, len(cls.__members__))
         one._value_ = int(one)
@@ -160,7 +161,7 @@ class Site(IntEnum):
 
     text: str
 
-    def __new__(cls, text: str) -> "Site":
+    def __new__(cls, text: Any) -> "Site":
         """The site of the next number: the function, and what it has found."""
         one = int.__new__(cls, len(cls.__members__))
         one._value_, one.text = int(one), text

@@ -86,10 +86,11 @@ def read_members(
     states = (*description.coordinates.names, *(row.velocity for row in description.coordinates))
     problems, lengths = list[str](), dict[str, int]()
     found = dict[str, Vector](), dict[str, Vector]()
-    for columns, argument, kind, given, names in (
-        (found[0], "parameters", "parameter", parameters, description.parameters.names),
-        (found[1], "starts", "coordinate or velocity", starts, states),
-    ):
+    tables: tuple[tuple[str, str, Any, tuple[str, ...]], ...] = (
+        ("parameters", "parameter", parameters, description.parameters.names),
+        ("starts", "coordinate or velocity", starts, states),
+    )
+    for columns, (argument, kind, given, names) in zip(found, tables, strict=True):
         if given is not None and not isinstance(given, Mapping):
             problems.append(f"{argument} is {shown(given)}; it must be arrays by name.")
             continue
@@ -233,7 +234,7 @@ class Runs:
             whole.works = {name: work.ravel() for name, work in self.works.items()}
             leave_out_unknown(whole.description, whole.samples)
             data = dataset(whole)
-            coords = {**data.coords.variables, **coords}
+            coords = {str(name): one.variable for name, one in data.coords.items()} | coords
             for name, variable in data.data_vars.items():
                 values = variable.values.astype(np.float64, copy=False)
                 values[~self.reached.ravel()] = np.nan

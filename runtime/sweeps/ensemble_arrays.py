@@ -166,9 +166,10 @@ class Preparation(NamedTuple):
         table, block = run.state.wiring.table, run.state.wiring.block
         record = run.state.wiring.arrays["record"].view(np.int64)
         mixing = wire_mixing(mechanism, run.state.p)
+        q, v, sizes, mobility, inertia = np.zeros((5, n))
         return Own(
             table, block, record, table.copy(), block.copy(), record.copy(), run.state.p,
-            *np.zeros((5, n)), np.zeros(len(description.mass_rows)),
+            q, v, sizes, mobility, inertia, np.zeros(len(description.mass_rows)),
             np.zeros(sum(row.shown for row in description.conditions)), start.table,
             np.zeros((k, s), np.int64), np.zeros(len(description.jacobian_rows)), np.zeros(m),
             np.zeros((5 + s, max(s, 2 * n))), np.zeros((2, s), np.int64), np.zeros(e, np.int64),
