@@ -5,14 +5,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from sympy import cos, sin, sqrt
+from sympy import cos, sin
 
-from benchmarks.element_sample import RHS, Sample, force, joint
+from benchmarks.element_sample import RHS, Sample, joint
 from benchmarks.hand import cams, drivers, forces, joints
 from benchmarks.transmissions import TRANSMISSIONS
 from benchmarks.twins import Generated, States, Twin, generate
 from codegen import Model, alpha, t
-from codegen.declare.body import Body, Point
+from codegen.declare.body import Body
 
 STATES = 64
 MEAN, MOST = 1.0, 1.3
@@ -23,26 +23,6 @@ LAW = 0.4 + 0.3 * sin(2 * t)
 
 def _ellipse(body: Body) -> Any:
     return body.curve(0.2 * cos(alpha), 0.1 * sin(alpha))
-
-
-def _rubbing(m: Model, i: Point, j: Point) -> None:
-    guide = m.translational("guide", m.ground, i.body)
-    m.force("push", on=i.body, fx=12)
-    m.gravity("weight", (0, -9.81))
-    m.friction("e", guide, 0.3, 0.01)
-
-
-def _sticking(m: Model, i: Point, j: Point) -> None:
-    speeds = [
-        b.vx - b.omega * (sin(b.phi) * x + cos(b.phi) * y)
-        for b, (x, y) in ((i.body, S_I), (j.body, S_J))
-    ]
-    m.dry_friction("e", slip=speeds[1] - speeds[0], normal=30.0, coefficient=0.4)
-
-
-def _drag(m: Model, i: Point, j: Point) -> None:
-    vx = i.body.vx
-    m.generalized_force("e", {i.body.x: -3 * vx * sqrt(vx**2 + 0.01)})
 
 
 JOINTS = (
@@ -172,66 +152,7 @@ DRIVERS = (
     ),
 )
 
-FORCES = (
-    force("gravity", lambda m, i, j: m.gravity("e", (0, -9.81)), forces.gravity),
-    force("force", lambda m, i, j: m.force("e", j, 4, -7), forces.applied),
-    force(
-        "force",
-        lambda m, i, j: m.force("e", j, 4, -7, frame="body"),
-        forces.following,
-        "force fixed in the body",
-    ),
-    force("torque", lambda m, i, j: m.torque("e", j.body, 20 - 3 * j.body.omega), forces.torque),
-    force("spring", lambda m, i, j: m.spring("e", i, j, 120, 0.8, 9, 5), forces.spring),
-    force(
-        "line force",
-        lambda m, i, j: m.line_force("e", i, j, lambda length, rate: 40 * length + 3),
-        forces.line_force,
-    ),
-    force(
-        "motor",
-        lambda m, i, j: m.motor(
-            "e", j.body, i.body, stall_torque=0.8, no_load_speed=300, voltage=0.5
-        ),
-        forces.motor,
-    ),
-    force(
-        "torsion spring",
-        lambda m, i, j: m.torsion_spring("e", i.body, j.body, 12, 0.2, 0.6, 1.5),
-        forces.torsion_spring,
-    ),
-    force(
-        "bushing",
-        lambda m, i, j: m.bushing("e", i, j, (900, 700, 50), (8, 6, 0.4), 0.1),
-        forces.bushing,
-    ),
-    force(
-        "contact",
-        lambda m, i, j: m.contact(
-            "e", i, j, stiffness=5000, damping=30, free_length=0.1, direction=AXIS
-        ),
-        forces.contact,
-    ),
-    force(
-        "potential",
-        lambda m, i, j: m.potential("e", 6 * (i.body.x**2 + i.body.y**2) ** 2),
-        forces.potential,
-        "potential, 6 r⁴",
-    ),
-    force("dry friction", _sticking, forces.dry_friction, "dry friction"),
-    force(
-        "rigid contact",
-        lambda m, i, j: m.contact(
-            "e", i, j, direction=(forces.UX, forces.UY), free_length=0.1, restitution=0.5
-        ),
-        forces.rigid_contact,
-        "rigid contact",
-    ),
-    force("generalized force", _drag, forces.generalized, "generalized force, drag"),
-    Sample("friction", "friction in a guide", _rubbing, {"accelerations": forces.friction}),
-)
-
-SAMPLES = JOINTS + DRIVERS + FORCES + TRANSMISSIONS
+SAMPLES = JOINTS + DRIVERS + forces.SAMPLES + TRANSMISSIONS
 
 
 def generated(sample: Sample, folder: Path) -> Generated:

@@ -19,11 +19,10 @@ from typing import get_args
 
 import codegen
 from codegen.check.kinematics import Findings, examine
-from codegen.declare.returned_kinds import memoize_methods
+from codegen.declare.returned_values import memoize_methods
 from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
-from codegen.emit.module import module_text, operation_table
-from codegen.emit.unrolling import Unroll
+from codegen.emit.module import Unroll, module_text, operation_table
 from codegen.errors import LinkwrightError, ModelError
 from codegen.files.generated_modules import text_hash
 from codegen.garbage_collection import collection_paused

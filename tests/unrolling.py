@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import codegen
-from codegen.emit.unrolling import Unroll
+from codegen.emit.module import Unroll
 from models.hard.suite.case import machine
 from runtime import machine_loading
 

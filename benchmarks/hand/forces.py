@@ -7,7 +7,13 @@ body by a × F. All of Q is written, as a kernel must that is asked for all of i
 
 import math
 
+from sympy import cos, sin, sqrt
+
+from benchmarks.element_sample import Sample
+from benchmarks.element_sample import force as sample
 from benchmarks.hand.signatures import force, small, solution
+from codegen import Model
+from codegen.declare.body import Point
 
 SIX, SIY, SJX, SJY = 0.3, -0.2, -0.5, 0.1
 UX, UY = 0.6, 0.8
@@ -235,3 +241,84 @@ def friction(t, q, v, p, modes, a, lam):
     lam[0] = -9.81 * MASS_I
     lam[1] = 0.0
     return 0
+
+
+# -- the samples that are measured, beside their twins ------------------------------------------
+
+
+def _rubbing(m: Model, i: Point, j: Point) -> None:
+    guide = m.translational("guide", m.ground, i.body)
+    m.force("push", on=i.body, fx=12)
+    m.gravity("weight", (0, -9.81))
+    m.friction("e", guide, 0.3, 0.01)
+
+
+def _sticking(m: Model, i: Point, j: Point) -> None:
+    speeds = [
+        b.vx - b.omega * (sin(b.phi) * x + cos(b.phi) * y)
+        for b, (x, y) in ((i.body, (SIX, SIY)), (j.body, (SJX, SJY)))
+    ]
+    m.dry_friction("e", slip=speeds[1] - speeds[0], normal=30.0, coefficient=0.4)
+
+
+def _drag(m: Model, i: Point, j: Point) -> None:
+    vx = i.body.vx
+    m.generalized_force("e", {i.body.x: -3 * vx * sqrt(vx**2 + 0.01)})
+
+
+SAMPLES = (
+    sample("gravity", lambda m, i, j: m.gravity("e", (0, -9.81)), gravity),
+    sample("force", lambda m, i, j: m.force("e", j, 4, -7), applied),
+    sample(
+        "force",
+        lambda m, i, j: m.force("e", j, 4, -7, frame="body"),
+        following,
+        "force fixed in the body",
+    ),
+    sample("torque", lambda m, i, j: m.torque("e", j.body, 20 - 3 * j.body.omega), torque),
+    sample("spring", lambda m, i, j: m.spring("e", i, j, 120, 0.8, 9, 5), spring),
+    sample(
+        "line force",
+        lambda m, i, j: m.line_force("e", i, j, lambda length, rate: 40 * length + 3),
+        line_force,
+    ),
+    sample(
+        "motor",
+        lambda m, i, j: m.motor(
+            "e", j.body, i.body, stall_torque=0.8, no_load_speed=300, voltage=0.5
+        ),
+        motor,
+    ),
+    sample(
+        "torsion spring",
+        lambda m, i, j: m.torsion_spring("e", i.body, j.body, 12, 0.2, 0.6, 1.5),
+        torsion_spring,
+    ),
+    sample(
+        "bushing",
+        lambda m, i, j: m.bushing("e", i, j, (900, 700, 50), (8, 6, 0.4), 0.1),
+        bushing,
+    ),
+    sample(
+        "contact",
+        lambda m, i, j: m.contact(
+            "e", i, j, stiffness=5000, damping=30, free_length=0.1, direction=(UX, UY)
+        ),
+        contact,
+    ),
+    sample(
+        "potential",
+        lambda m, i, j: m.potential("e", 6 * (i.body.x**2 + i.body.y**2) ** 2),
+        potential,
+        "potential, 6 r⁴",
+    ),
+    sample("dry friction", _sticking, dry_friction, "dry friction"),
+    sample(
+        "rigid contact",
+        lambda m, i, j: m.contact("e", i, j, direction=(UX, UY), free_length=0.1, restitution=0.5),
+        rigid_contact,
+        "rigid contact",
+    ),
+    sample("generalized force", _drag, generalized, "generalized force, drag"),
+    Sample("friction", "friction in a guide", _rubbing, {"accelerations": friction}),
+)

@@ -5,32 +5,29 @@ them are reported together.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from itertools import chain
 from typing import Any
 
 import sympy
 
 from codegen.check.elements import element_problems, unknown
-from codegen.declare import element as el
 from codegen.declare.body import Body
-from codegen.declare.expression_rules import expression_problem
-from codegen.declare.returned_kinds import (
-    by_coordinate,
+from codegen.declare.element import Constraint, Effect, label
+from codegen.declare.returned_values import (
     check_attribute,
     expression,
-    name_errors,
     named,
-    one_of,
-    refusal,
+    own_coordinates,
     rows,
     words,
 )
-from codegen.declare.returned_values import own_coordinates
 from codegen.declare.symbols import t
+from codegen.declare.value_reader import expression_problem
 from codegen.errors import ModelError
 from codegen.model import Model
-from codegen.readers.arguments import optional
+from codegen.readers.arguments import Reader, flag, mapping, one_of, optional, row
+from codegen.readers.calls import errors_at
 from codegen.readers.expressions import constant_value
 from codegen.readers.values import KindError, one_line, shown
 
@@ -43,17 +40,22 @@ def check_model(model: Model) -> list[str]:
     if not model.bodies:
         problems.append(f"model '{model.name}' has no body; declare one with model.body(...).")
     known = known_symbols(model)
-    masses = {name: [*body_problems(model, b, known)] for name, b in model.bodies.items()}
-    sound = tuple(body for name, body in model.bodies.items() if not masses[name])
-    for name, element in _all_elements(model):
-        if name in model.noted:
-            continue
+    of_bodies = {body: [*body_problems(model, body, known)] for body in model.bodies.values()}
+    sound = tuple(body for body, found in of_bodies.items() if not found)
+    forms = (form for choices in model.fidelities.values() for form in choices.values())
+    elements: tuple[Constraint | Effect, ...] = (
+        *model.joints.values(),
+        *model.drivers.values(),
+        *model.effects.values(),
+        *(form for form in forms if not isinstance(form, str)),
+    )
+    for element in dict.fromkeys(e for e in elements if e.name not in model.noted):
         try:
-            with name_errors(element):
+            with errors_at(label(element)):
                 problems += element_problems(model, element, sound, known)
         except ModelError as error:
             problems += error.problems
-    problems += chain.from_iterable(masses.values())
+    problems += chain.from_iterable(of_bodies.values())
     problems += [
         f"state '{name}' has no rate; give rate=, or model.state_equation({name}, ...)."
         for name, state in model.states.items()
@@ -75,16 +77,6 @@ def _lost_symbols(
             end, named = sentence.removeprefix(where), f"'{symbol}'"
             if not any(p.endswith(end) or (p.startswith(where) and named in p) for p in problems):
                 yield sentence
-
-
-def _all_elements(model: Model) -> Iterator[tuple[str, el.Constraint | el.Effect]]:
-    """Joints, drivers, and effects in every fidelity that their declaration has the numbers for."""
-    yield from (*model.joints.items(), *model.drivers.items())
-    yield from model.effects.items()
-    for name, forms in model.fidelities.items():
-        for form in forms.values():
-            if not isinstance(form, str) and form is not model.effects[name]:
-                yield name, form
 
 
 def known_symbols(model: Model) -> frozenset[sympy.Symbol]:
@@ -129,44 +121,36 @@ def _check_returned(body: Body, known: frozenset[sympy.Symbol]) -> None:
     def sound(value: Any) -> sympy.Expr:
         checked = expression(value)
         if problem := expression_problem(checked):
-            raise KindError(f"is wrong: {problem}")
+            raise ModelError(problem)
         if unknown := sorted(s.name for s in checked.free_symbols - known):
-            raise KindError(
-                f"has the symbol {shown(unknown[0])}, which is none of the model; write it in "
-                "coordinates, velocities, parameters and t."
+            raise ModelError(
+                f"{shown(checked)} has the symbol {shown(unknown[0])}, which is none of the model; "
+                "write it in coordinates, velocities, parameters and t."
             )
         return checked
 
     def scalar(value: Any) -> sympy.Expr:
-        return sound(one_of(sympy.Expr, needed="an expression of SymPy")(value))
+        return sound(one_of("an expression of SymPy", sympy.Expr)(value))
 
-    def pair(value: Any) -> None:
-        if not isinstance(value, tuple | list) or len(value) != 2:
-            raise refusal(value, "two expressions")
-        for entry in value:
-            sound(entry)
+    def own(value: Any) -> Any:
+        if value not in body.coordinates:
+            raise KindError
+        return value
 
-    def forces(value: Any) -> None:
-        for force in by_coordinate(value).values():
-            sound(force)
-
-    def block(value: Any) -> None:
-        pairs = {(a, b) for a in body.coordinates for b in body.coordinates}
-        if not isinstance(value, Mapping) or not {*value} <= pairs:
-            raise refusal(value, "a dictionary, pair of coordinates: expression")
-        for entry in value.values():
-            optional(sound)(entry)
-
-    for word in ("angle", "mass", "inertia"):
-        check_attribute(body, word, optional(scalar))
-    check_attribute(body, "angular_velocity", scalar)
-    for word in ("position", "velocity", "mass_centre", "rotation"):
-        check_attribute(body, word, pair)
-    for word in ("fixed", "turns"):
-        check_attribute(body, word, one_of(bool, needed="True or False"))
-    check_attribute(body, "mass_matrix", block)
-    check_attribute(body, "inertia_force", forces)
-    check_attribute(body, "equations", rows("pairs (word, expression)", words, sound))
+    pair = row("two expressions", sound, sound)
+    pairs = "a dictionary, pair of coordinates: expression"
+    forces = mapping("a dictionary, coordinate: expression", own, sound)
+    readers: dict[str, Reader] = {
+        **dict.fromkeys(("angle", "mass", "inertia"), optional(scalar)),
+        **dict.fromkeys(("position", "velocity", "mass_centre", "rotation"), pair),
+        **dict.fromkeys(("fixed", "turns"), flag),
+        "angular_velocity": scalar,
+        "mass_matrix": mapping(pairs, row(pairs, own, own), optional(sound)),
+        "inertia_force": forces,
+        "equations": rows("pairs (word, expression)", words, sound),
+    }
+    for attribute, reader in readers.items():
+        check_attribute(body, attribute, reader)
     with named(body, "torque()"):
         forces(body.torque(sympy.S.One))
 

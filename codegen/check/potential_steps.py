@@ -16,12 +16,12 @@ import numpy as np
 import numpy.typing as npt
 import sympy
 
-from codegen.declare.body import Body
+from codegen.declare.body import Bodies
 from codegen.declare.element import Effect, label
-from codegen.declare.returned_kinds import name_errors
 from codegen.declare.returned_values import optional_terms, potential_of
 from codegen.declare.scene import Scene
-from codegen.declare.symbols import Coordinate, Parameter, Time, kinds
+from codegen.declare.symbols import Coordinate, Time, dotted, kinds
+from codegen.derive.equations import Parts
 from codegen.derive.piecewise_conditions import (
     as_pieces,
     conditions,
@@ -29,7 +29,7 @@ from codegen.derive.piecewise_conditions import (
     without_marks,
 )
 from codegen.elements.forces.contacts import GapSprings
-from codegen.model import Model
+from codegen.readers.calls import errors_at
 from codegen.readers.values import shown
 from codegen.tables.table_function import plain_function
 
@@ -48,27 +48,22 @@ _ZERO = 1e-9
 _NEAR, _FAR = 1e-11, 1e-8  # accuracy: distances from a surface, in parts of the place
 
 
-def step_problems(model: Model, scene: Scene) -> Iterator[str]:
+def step_problems(scene: Scene, parts: Parts, parameters: Numbers) -> Iterator[str]:
     """Steps in the potentials of a scene's effects, and in scalars along which forces act."""
-    if scene.analysis == "kinematics":
-        return
-    bodies = tuple(model.bodies[name] for name in scene.bodies)
-    overrides = {Parameter(name, real=True): value for name, value in scene.parameters}
     known = dict((*scene.guess, *scene.start))
-    for effect in model.acting(scene).values():
-        with name_errors(effect):
-            for sentence in _steps_of(effect, bodies, {**model.defaults, **overrides}, known):
-                yield f"scene '{scene.name}': {sentence}"
+    for effect in parts.effects.values() if parts.moves else ():
+        with errors_at(label(effect)):
+            yield from islice(_steps_of(effect, parts.bodies, parameters, known), 1)
 
 
 def _steps_of(
-    effect: Effect, bodies: tuple[Body, ...], defaults: Numbers, known: dict[str, float]
+    effect: Effect, bodies: Bodies, parameters: Numbers, known: dict[str, float]
 ) -> Iterator[str]:
-    """The first step of what has to be continuous in an effect."""
+    """The steps of what has to be continuous in an effect."""
     for word, unit, expression in _continuous(effect, bodies):
-        numbers = {**defaults}
+        numbers = {**parameters}
         for q in kinds(expression, Coordinate):
-            numbers[q] = float(known.get(f"{q.owner}.{q.letter}", q.measure.neutral))
+            numbers[q] = float(known.get(dotted(q), q.measure.neutral))
         if found := find_step(expression, numbers):
             condition, size, change = found
             yield (
@@ -76,10 +71,9 @@ def _steps_of(
                 f"changes, at one such place, and by {shown(change)} in general; a step exerts no "
                 "force, and energy would come from nowhere: make the pieces meet, or write a force."
             )
-            return
 
 
-def _continuous(effect: Effect, bodies: tuple[Body, ...]) -> Iterator[tuple[str, str, sympy.Expr]]:
+def _continuous(effect: Effect, bodies: Bodies) -> Iterator[tuple[str, str, sympy.Expr]]:
     """(word, unit, expression) of what has to be continuous and may not be."""
     potential = potential_of(effect, bodies)
     answers = optional_terms(effect, bodies)

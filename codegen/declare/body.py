@@ -19,6 +19,9 @@ from codegen.readers.expressions import plain_expression
 from codegen.readers.quantities import in_unit, metres
 from codegen.readers.values import KindError, members, shown
 
+Loads = dict[Coordinate, sympy.Expr]
+"""Generalized forces Q, by coordinate."""
+
 
 class Pose:
     """The coordinates x, y and φ that belong to a name."""
@@ -96,7 +99,7 @@ class Body(Pose):
         return {(q, q): mass for q, mass in pairs}
 
     @property
-    def inertia_force(self) -> dict[Coordinate, sympy.Expr]:
+    def inertia_force(self) -> Loads:
         """Q_v of M q̈ + Φ_qᵀ λ = Q + Q_v, quadratic in the velocities.
 
         By Lagrange's equations from T = q̇ᵀ M q̇ / 2: Q_v = T_q - Ṁ q̇. Zero where M is constant.
@@ -152,7 +155,7 @@ class Body(Pose):
         """ω = φ̇."""
         return self.omega
 
-    def torque(self, value: sympy.Expr) -> dict[Coordinate, sympy.Expr]:
+    def torque(self, value: sympy.Expr) -> Loads:
         """Generalized forces of a torque: value ∂ω/∂q̇."""
         (exerted,) = expressions_in("N m", f"torque of body '{self.name}'", value)
         turning = plain_expression(self.angular_velocity)
@@ -182,6 +185,9 @@ class Body(Pose):
     def polar(self, radius: Any) -> "Curve":
         """The curve at the distance r(α), m, from the body's centre in the direction α."""
         return self.circle(radius)
+
+
+Bodies = tuple[Body, ...]
 
 
 @named_attributes

@@ -9,7 +9,7 @@ from typing import ClassVar, NamedTuple, Protocol, runtime_checkable
 
 import sympy
 
-from codegen.declare.body import Body, Curve, Point, Pose
+from codegen.declare.body import Bodies, Body, Curve, Loads, Point, Pose
 from codegen.declare.symbols import Coordinate, coordinate, given
 from codegen.errors import ModelError
 from codegen.readers.calls import declaring_class, readable_class
@@ -254,7 +254,7 @@ class Element(Protocol):
     )
 
     @property
-    def bodies(self) -> tuple[Body, ...]:
+    def bodies(self) -> Bodies:
         """The bodies that the element takes hold of; empty: all of the scene (gravity).
 
         Those of its fields that are points, curves, bodies or tuples of them, in their order.
@@ -288,11 +288,11 @@ class Effect(Element, Protocol):
     others these follow from the rest. `bodies` are those of the scene.
     """
 
-    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
+    def potential(self, bodies: Bodies) -> sympy.Expr | None:
         """V in joule, if the effect has a potential."""
         return None
 
-    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
+    def forces(self, bodies: Bodies) -> Loads:
         """Generalized forces Q that have no potential, less those of `pulls`."""
         return {}
 
@@ -331,6 +331,9 @@ class Measure(NamedTuple):
         if not self.component or (self.quantity, self.unit) in (("force", "N"), ("torque", "N m")):
             return self.component or self.quantity  # its unit says what it is
         return f"{self.quantity}.{self.component}"
+
+
+Measures = tuple[Measure, ...]
 
 
 class OptionalTerms(NamedTuple):

@@ -1,60 +1,173 @@
-"""What elements, joints and bodies return, each asked by one function, and checked once."""
+"""What elements, joints and bodies return: each method is asked by one function, and checked once.
 
-from collections.abc import Callable, Mapping
+A modeller's own element may return anything: an exception, or a value of another kind than a reader
+demands, is a `ModelError` that names the element, the method and the value.
+"""
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import replace
+from functools import wraps
 from itertools import chain
-from typing import Any
+from typing import Any, TypeVar
 
 import sympy
 
 from codegen.declare import element as el
-from codegen.declare.body import Body, Curve
+from codegen.declare.body import Bodies, Body, Curve, Loads
 from codegen.declare.element import label
-from codegen.declare.element_conditions import Condition
-from codegen.declare.element_fields import field_conditions
-from codegen.declare.returned_kinds import (
-    Kind,
-    by_coordinate,
-    check_attribute,
-    choice,
-    expression,
-    named,
+from codegen.declare.element_fields import Condition, Conditions, field_conditions
+from codegen.declare.symbols import KINDS, Coordinate, Time, Velocity, alpha, kinds
+from codegen.errors import LinkwrightError, ModelError
+from codegen.readers.arguments import (
+    Reader,
+    flag,
+    mapping,
+    number,
     one_of,
-    position_scalar,
-    record,
-    refusal,
-    returned,
-    rows,
+    optional,
+    read_arguments,
+    row,
     several,
-    unit,
-    words,
+    word,
 )
-from codegen.declare.symbols import KINDS, Coordinate, Velocity, alpha, kinds
-from codegen.errors import ModelError
-from codegen.readers.arguments import optional
+from codegen.readers.calls import failure
+from codegen.readers.expressions import plain_expression
+from codegen.readers.quantities import known_unit
 from codegen.readers.values import KindError, finite_float, one_line, shown
 
+WORDS = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ ^/.-]*")
+Function = TypeVar("Function", bound=Callable[..., Any])
+# What methods returned in this build: (element, method, bodies) → (element, bodies, value)
+_Known = dict[tuple[int, str, tuple[int, ...]], tuple[Any, Any, Any]]
+_known: ContextVar[_Known | None] = ContextVar("known", default=None)
 Weights = tuple[tuple[str, sympy.Expr, sympy.Expr], ...]
 """(body, mass, acceleration) of the products that stand in a potential as one number."""
 
 
-def _first(row: tuple[Any, ...]) -> str:
-    return str(row[0])
+def memoize_methods(function: Function) -> Function:
+    """Within the function, each method is called once: what is checked is what is compiled."""
+
+    @wraps(function)
+    def call(*arguments: Any, **words: Any) -> Any:
+        before = _known.set({})
+        try:
+            return function(*arguments, **words)
+        finally:
+            _known.reset(before)
+
+    return call  # type: ignore[return-value]
 
 
-def _slip(value: Any) -> sympy.Expr:
-    slip = expression(value)
-    if not kinds(slip, Velocity):
-        raise KindError(
-            f"is {shown(slip)}, without a velocity; give the rate at which the surfaces slip."
-        )
-    return slip
+def returned(
+    element: Any, method: str, reader: Reader, bodies: Bodies | None = None, otherwise: Any = None
+) -> Any:
+    """What a method returns, as it is read, found once within `memoize_methods`.
+
+    It is called with the bodies of a scene where it takes them. Not every element has every method:
+    one without has `otherwise`. ModelError, which names the element and the method, if it fails.
+    """
+    known, key = _known.get(), (id(element), method, tuple(map(id, bodies or ())))
+    if known is not None and key in known:
+        return known[key][-1]
+    value = otherwise
+    with named(element, f"{method}()"):
+        if (function := getattr(element, method, None)) is not None:
+            given = function() if bodies is None else function(bodies)
+            value = _read(element, f"what its {method}() returns", reader, given)
+    if known is not None:
+        known[key] = element, bodies, value  # which keeps the ids theirs
+    return value
 
 
-def _law(value: Any) -> el.FrictionLaw:
-    law: el.FrictionLaw = _FRICTION(value)
-    if law.creep is not None and law.creep.is_number and not law.creep.is_positive:
-        raise KindError(f"has the creep speed {law.creep}; give a positive speed, or None.")
-    return law
+def check_attribute(element: Any, attribute: str, reader: Reader) -> None:
+    """Check an attribute of an element or body, None where there is none."""
+    with named(element, attribute):
+        _read(element, f"its {attribute}", reader, getattr(element, attribute, None))
+
+
+def _read(element: Any, what: str, reader: Reader, given: Any) -> Any:
+    return read_arguments(label(element), {what: reader}, {what: given}, ModelError)[what]
+
+
+@contextmanager
+def named(element: Any, what: str) -> Iterator[None]:
+    """A block that asks a modeller's element for something: its errors name both."""
+    where = label(element)
+    try:
+        yield
+    except LinkwrightError as error:
+        problems = (p if where in p else f"{where}, {what}: {p}" for p in error.problems)
+        raise ModelError(problems) from error
+    except Exception as error:
+        raise ModelError(f"{where}: its {what} fails with {failure(error)}.") from error
+
+
+def expression(value: Any) -> sympy.Expr:
+    """A number or expression."""
+    try:
+        return plain_expression(value)
+    except KindError:
+        raise KindError("it must be an expression.") from None
+
+
+def expression_that(demand: str, holds: Callable[[sympy.Expr], Any]) -> Reader:
+    """A number or expression of which something holds."""
+
+    def read(value: Any) -> sympy.Expr:
+        found = expression(value)
+        if not holds(found):
+            raise KindError(f"it must be {demand}.")
+        return found
+
+    return read
+
+
+def words(value: Any) -> str:
+    """A few ASCII words, fit for the generated text."""
+    if not isinstance(value, str) or not WORDS.fullmatch(value):
+        raise KindError("it must be ASCII words.")
+    return value
+
+
+def unit(value: Any) -> str:
+    """A unit as a parameter may have it, or ASCII words; empty for a pure number."""
+    is_word = isinstance(value, str) and value.isprintable()
+    if is_word and (WORDS.fullmatch(value) or known_unit(value)):
+        return str(value)
+    raise KindError("it must be a unit, such as 'N m'.")
+
+
+def rows(demand: str, *entries: Reader, name: Callable[[Any], str] | None = None) -> Reader:
+    """Rows with these entries; `name` gives the name of a row, which no other may have."""
+    read = several(row(demand, *entries), demand)
+
+    def read_rows(value: Any) -> Any:
+        found = read(value)
+        names = [name(one) for one in found] if name else []
+        if twice := next((n for k, n in enumerate(names) if n in names[:k]), None):
+            raise KindError(f"it has '{twice}' twice; give each a name.")
+        return found
+
+    return read_rows
+
+
+def record(demand: str, *classes: type[Any], **fields: Reader) -> Reader:
+    """A dataclass of one of the classes, with those of the fields read that it has."""
+    read = one_of(demand, *classes)
+
+    def read_record(value: Any) -> Any:
+        found = read(value)
+        given = {word: getattr(found, word) for word in fields if hasattr(found, word)}
+        return replace(found, **read_arguments(type(found).__name__, fields, given, ModelError))
+
+    return read_record
+
+
+def _first(one: tuple[Any, ...]) -> str:
+    return str(one[0])
 
 
 def _hold(value: Any) -> el.Hold:
@@ -62,48 +175,36 @@ def _hold(value: Any) -> el.Hold:
     if isinstance(hold, el.OneWay) and any(
         kinds(hold.slip.diff(v), Velocity) for v in kinds(hold.slip, Velocity)
     ):  # whose change in an impact does not follow from impulses alone
-        raise KindError(
-            f"has the slip {shown(hold.slip)}, no linear function of velocities; give the rate of "
-            "a scalar."
-        )
+        raise KindError("its slip must be a linear function of velocities, the rate of a scalar.")
     if isinstance(hold, el.Sticking) and hold.static is not None and hold.kinetic.is_nonpositive:
-        raise KindError(
-            f"has the coefficient {hold.kinetic}, beside a static one; give a positive number."
-        )
+        raise KindError("beside a static coefficient the kinetic one must be positive.")
     return hold
 
 
-def _measures(value: Any) -> tuple[el.Measure, ...]:
-    return tuple(el.Measure(*row) for row in _MEASURES(value))
+def _measures(value: Any) -> el.Measures:
+    return tuple(el.Measure(*one) for one in _MEASURES(value))
 
 
 def _condition(value: Any) -> Condition:
     condition: Condition = _CONDITION(value)
+    count = len(condition.numbers)
     try:
         condition.sentence.format(*(0.5 for _ in condition.numbers))
     except (AttributeError, LookupError, ValueError):
-        raise KindError(
-            f"has the sentence {shown(condition.sentence)}, which does not fit its "
-            f"{len(condition.numbers)} numbers; write them as {{:g}} or {{0:.3g}}, and braces "
-            "twice."
+        raise ModelError(
+            f"the sentence {shown(condition.sentence)} of a condition does not fit its {count} "
+            "numbers; write them as {:g} or {0:.3g}, and braces twice."
         ) from None
     return condition
-
-
-def _bound(value: Any) -> float:
-    number = finite_float(value)
-    if number is None:
-        raise KindError(f"is {shown(value)}; give a finite number, or None.")
-    return number
 
 
 def _statement(value: Any) -> el.Statement:
     statement: el.Statement = _STATEMENT(value)
     names, count, reaction = statement.rows, len(statement.phi), statement.reaction
     if len({*names}) != count or len(names) != count:
-        raise KindError(f"has the rows {names}; give {count} words, one an equation.")
+        raise KindError(f"give {count} rows, a word for each equation, in place of {names}.")
     if isinstance(reaction, el.ConjugateReaction) and len(reaction.components) != count:
-        raise KindError(f"has the reactions {reaction.components}; give {count}, one an equation.")
+        raise KindError(f"give {count} reactions, one an equation.")
     return statement
 
 
@@ -112,101 +213,105 @@ def _vector(value: Any) -> sympy.Matrix:
     if isinstance(value, sympy.MatrixBase):
         return value
     try:
-        parts = [*value]
+        return sympy.Matrix([*map(expression, value)])
     except TypeError:
-        raise refusal(value, "a pair of components") from None
-    return sympy.Matrix([*map(expression, parts)])
+        raise KindError("it must be a pair of components.") from None
 
 
 def _closed_curve(value: Any) -> Curve:
-    if not isinstance(value, Curve):
-        raise refusal(value, _PROFILE)
-    value.at(alpha)  # ModelError where it is no curve of a body
-    return value
+    curve: Curve = one_of(_PROFILE, Curve)(value)
+    curve.at(alpha)  # ModelError where it is no curve of a body
+    return curve
 
 
+_scalar = expression_that(
+    "an expression of coordinates, t and parameters, without a velocity, that something moves",
+    lambda scalar: kinds(scalar, Coordinate, Time) and not kinds(scalar, Velocity),
+)
+_SLIP = "an expression with a velocity, the rate at which surfaces slip"
+_slip = expression_that(_SLIP, lambda slip: kinds(slip, Velocity))
+_creep = expression_that(
+    "a positive speed, or None", lambda speed: speed.is_positive or not speed.is_number
+)
+_FINITE = optional(number("a finite number, or None"))
 _LOAD = "a tuple of loads, each of sums of (component, factor)"
-_FRICTION = record(
-    el.FrictionLaw, needed="a FrictionLaw or None", joint=words, strength=expression,
-    creep=optional(expression), along=position_scalar, unit=unit,
+_LAW = record(
+    "a FrictionLaw or None", el.FrictionLaw, joint=words, strength=expression,
+    creep=optional(_creep), along=_scalar, unit=unit,
     contacts=several(several(rows(_LOAD, words, expression), _LOAD, 1), _LOAD, 1),
 )  # fmt: skip
 _HOLD = record(
-    el.Sticking, el.Rigid, el.OneWay, needed="a Sticking, a Rigid, a OneWay or None", slip=_slip,
-    kinetic=expression, static=optional(expression), gap=position_scalar, restitution=expression,
+    "a Sticking, a Rigid, a OneWay or None", el.Sticking, el.Rigid, el.OneWay, slip=_slip,
+    kinetic=expression, static=optional(expression), gap=_scalar, restitution=expression,
     scale=expression,
 )  # fmt: skip
 _MEASURES = rows(
-    "a tuple of Measure(quantity, component, unit, value, along)", choice(*el.QUANTITIES),
-    lambda text: text and words(text), unit, expression, optional(position_scalar),
-    unique=lambda row: el.Measure(*row).row,
+    "a tuple of Measure(quantity, component, unit, value, along), the quantity one of "
+    f"{', '.join(el.QUANTITIES)}, the value an expression, along a scalar that moves, or None",
+    word(*el.QUANTITIES), lambda text: text and words(text), unit, expression,
+    optional(_scalar), name=lambda one: el.Measure(*one).row,
 )  # fmt: skip
 _CONDITION = record(
-    Condition, needed="a tuple of Condition", low=optional(_bound), high=optional(_bound),
+    "a Condition", Condition, low=_FINITE, high=_FINITE,
     numbers=several(expression, "a tuple of numbers"),
 )  # fmt: skip
 _JOINT_REACTION = record(
-    el.JointReaction, el.ConjugateReaction,
-    needed="a JointReaction, a ConjugateReaction or None",
-    on=one_of(el.Frame, needed="the frame I or J"),
-    sign=choice(1, -1),
+    "a JointReaction, a ConjugateReaction or None", el.JointReaction, el.ConjugateReaction,
+    on=one_of("the frame I or J", el.Frame), sign=word(1, -1),
     direction=_vector, arm=optional(_vector),
-    components=rows("pairs of a word and a unit", words, unit, unique=_first),
+    components=rows("pairs of a word and a unit", words, unit, name=_first),
 )  # fmt: skip
 _OWN = "pairs (row, coordinate)"
 _STATEMENT = record(
-    el.Statement, needed="a Statement", phi=several(expression, "a tuple of equations, (phi,)", 1),
-    rows=several(words, "a tuple of words"), reaction=optional(_JOINT_REACTION),
-    own=rows(_OWN, words, one_of(Coordinate, needed=_OWN), unique=lambda row: str(row[1])),
+    "a Statement", el.Statement, phi=several(expression, "a tuple of equations, (phi,)", 1),
+    rows=several(words, "a tuple of ASCII words"), reaction=optional(_JOINT_REACTION),
+    own=rows(_OWN, words, one_of(_OWN, Coordinate), name=lambda one: str(one[1])),
 )  # fmt: skip
-_SENTENCES = several(one_of(str, needed="a list of sentences"), "a list of sentences")
 _PROFILE = "a tuple of pairs (curve, whether it has to be convex)"
+_LOADS = "a dictionary, coordinate: expression"
+_by_coordinate = mapping(_LOADS, one_of("a coordinate", Coordinate), expression)
 
 
-def _asked(word: str, kind: Kind, otherwise: Any = None) -> Callable[..., Any]:
+def _asked(method: str, reader: Reader, otherwise: Any = None) -> Callable[..., Any]:
     """The function that asks an element, with the bodies of a scene where the method takes them."""
-    return lambda element, bodies=None: returned(element, word, kind, bodies, otherwise)
+    return lambda element, bodies=None: returned(element, method, reader, bodies, otherwise)
 
 
 statement_of: Callable[[Any], el.Statement] = _asked("statement", _statement)
 _conditions_of = _asked("conditions", several(_condition, "a tuple of Condition"), ())
-friction_law: Callable[[Any], el.FrictionLaw | None] = _asked("friction", optional(_law))
-forces_of: Callable[..., dict[Coordinate, sympy.Expr]] = _asked("forces", by_coordinate)
+friction_law: Callable[[Any], el.FrictionLaw | None] = _asked("friction", optional(_LAW))
+forces_of: Callable[..., Loads] = _asked("forces", _by_coordinate)
 potential_of: Callable[..., sympy.Expr | None] = _asked("potential", optional(expression))
+_WEIGHTS = "rows (body, mass, acceleration)"
 weights_of: Callable[..., Weights] = _asked(
-    "weights", rows("a tuple of rows (body, mass, acceleration)", words, expression, expression), ()
+    "weights", rows(_WEIGHTS, words, expression, expression), ()
 )
-measures_of: Callable[..., tuple[el.Measure, ...] | None] = _asked("measures", optional(_measures))
+measures_of: Callable[..., el.Measures | None] = _asked("measures", optional(_measures))
 _hold_of = _asked("hold", optional(_hold))
 _pulls_of = _asked(
-    "pulls", rows("a tuple of pairs (scalar, force)", position_scalar, expression), ()
-)
-_reported_of = _asked(
-    "reported",
-    rows("a tuple of rows (component, unit, value)", words, unit, expression, unique=_first),
+    "pulls",
+    rows("a tuple of pairs (scalar of positions that moves, force)", _scalar, expression),
     (),
 )
-_problems_of = _asked("problems", _SENTENCES)
-_profiles_of = _asked("profiles", rows(_PROFILE, _closed_curve, one_of(bool, needed=_PROFILE)), ())
+_REPORTED = "a tuple of rows (component in ASCII words, unit such as 'N m', expression)"
+_reported_of = _asked("reported", rows(_REPORTED, words, unit, expression, name=_first), ())
+_problems_of = _asked("problems", several(one_of("a text", str), "a list of sentences"))
+_profiles_of = _asked("profiles", rows(_PROFILE, _closed_curve, flag), ())
 
 
 def check_parts(element: Any) -> None:
     """Check the bodies that an element takes hold of, or the coordinates of a body, once."""
     if isinstance(element, Body):
-        needed = f"a tuple of coordinates of '{element.name}', of letters that are declared"
+        demand = f"a tuple of coordinates of '{element.name}', of letters that are declared"
 
-        def own(value: Any) -> None:
-            if not isinstance(value, tuple) or not all(
-                isinstance(q, Coordinate) and q.letter in KINDS and q.owner == element.name
-                for q in value
-            ):
-                raise refusal(value, needed)
+        def own(q: Any) -> None:
+            if not isinstance(q, Coordinate) or q.letter not in KINDS or q.owner != element.name:
+                raise KindError
 
-        check_attribute(element, "coordinates", own)
+        check_attribute(element, "coordinates", several(own, demand))
         return
-    bodies = "a tuple of bodies"
-    check_attribute(element, "bodies", several(one_of(Body, needed=bodies), bodies))
-    check_attribute(element, "instead_of", optional(one_of(Body, needed="a body or None")))
+    check_attribute(element, "bodies", several(one_of("a body", Body), "a tuple of bodies"))
+    check_attribute(element, "instead_of", optional(one_of("a body or None", Body)))
 
 
 def problems_of(element: Any) -> list[str]:
@@ -220,15 +325,14 @@ def problems_of(element: Any) -> list[str]:
     return found
 
 
-def conditions_of(element: Any) -> tuple[Condition, ...]:
+def conditions_of(element: Any) -> Conditions:
     """What an element, and its fields, ask of its numbers; a modeller's own need not ask any."""
     return (*_conditions_of(element), *field_conditions(element))
 
 
 def replaced_body(element: Any) -> Body | None:
     """The body instead of which a link stands, for elements that have one."""
-    body: Body | None = getattr(element, "instead_of", None)
-    return body
+    return getattr(element, "instead_of", None)
 
 
 def own_coordinates(constraint: Any) -> tuple[Coordinate, ...]:
@@ -244,15 +348,18 @@ def place_near(
     constraint: Any, coordinates: list[Coordinate], numbers: Mapping[sympy.Symbol, float]
 ) -> dict[Coordinate, float]:
     """Where a joint expects its own `coordinates`; empty for joints that say nothing of it."""
+
+    def places(value: Any) -> dict[Coordinate, float]:
+        found = {q: finite_float(value.get(q)) for q in coordinates} if value else {}
+        if not found or None in found.values():
+            raise KindError("it must be a dictionary with a finite number for each own coordinate.")
+        return found  # type: ignore[return-value]
+
     near = getattr(constraint, "near", None)
     if not coordinates or near is None:
         return {}
     with named(constraint, "near()"):
-        value = near(dict(numbers))
-        places = {q: finite_float(value.get(q)) for q in coordinates} if value else {}
-        if not places or None in places.values():
-            raise refusal(value, "a dictionary with a finite number for each own coordinate")
-    return places  # type: ignore[return-value]
+        return _read(constraint, "what its near() returns", places, near(dict(numbers)))  # type: ignore[no-any-return]
 
 
 def closed_curves(constraint: Any) -> tuple[tuple[str, Curve, bool], ...]:
@@ -263,7 +370,7 @@ def closed_curves(constraint: Any) -> tuple[tuple[str, Curve, bool], ...]:
     )
 
 
-def optional_terms(effect: Any, bodies: tuple[Body, ...]) -> el.OptionalTerms:
+def optional_terms(effect: Any, bodies: Bodies) -> el.OptionalTerms:
     """What the methods return that not every effect has."""
     law, hold = friction_law(effect), _hold_of(effect, bodies)
     if law and law.creep is None and not isinstance(hold, el.Sticking):
@@ -274,7 +381,7 @@ def optional_terms(effect: Any, bodies: tuple[Body, ...]) -> el.OptionalTerms:
     return el.OptionalTerms(law, hold, _pulls_of(effect, bodies), _reported_of(effect, bodies))
 
 
-def effect_expressions(effect: Any, bodies: tuple[Body, ...]) -> list[sympy.Basic]:
+def effect_expressions(effect: Any, bodies: Bodies) -> list[sympy.Basic]:
     """All expressions that an effect returns, and the coordinates on which it acts."""
     forces = forces_of(effect, bodies)
     law, hold, pulls, reported = optional_terms(effect, bodies)

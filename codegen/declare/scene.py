@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Protocol
 
 from codegen.declare.state import WatchedCondition
+from codegen.declare.symbols import Coordinate, Velocity, dotted
 from codegen.errors import SceneError
 from codegen.object_display import html_of, listed
 from codegen.readers.calls import declaring_class, named_attributes
@@ -64,7 +65,12 @@ class Request(Choices):
 
 
 def name_of(element: Any) -> str:
-    """The name of an element that is given by its name or as an object; else what was given."""
+    """The name of an element that is given by its name or as an object; else what was given.
+
+    Coordinates, velocities and states have the names of results, such as ``crank.phi``.
+    """
+    if isinstance(element, Coordinate | Velocity):
+        return dotted(element)
     name = element if isinstance(element, str) else getattr(element, "name", None)
     return str(name) if isinstance(name, str) else shown(element)
 
@@ -77,7 +83,7 @@ class Owner(Protocol):
         """Of the machine."""
 
     @property
-    def points(self) -> frozenset[str]:
+    def points(self) -> tuple[str, ...]:
         """Names of the tracked points, which stand among the effects of a scene."""
 
     def reconnected(self, scene: "Scene", connected: tuple[str, ...]) -> "Scene":
@@ -169,8 +175,8 @@ class Scene(Choices):
         return self.owner
 
     @property
-    def _points(self) -> frozenset[str]:
-        return self.owner.points if self.owner else frozenset()
+    def _points(self) -> tuple[str, ...]:
+        return self.owner.points if self.owner else ()
 
     def __repr__(self) -> str:
         """Name, analysis, and what acts."""

@@ -13,9 +13,9 @@ from typing import Any, Literal
 
 import sympy
 
-from codegen.declare.body import Body
+from codegen.declare.body import Bodies, Loads
 from codegen.declare.element import Effect
-from codegen.declare.symbols import Coordinate, Velocity, own_coordinate
+from codegen.declare.symbols import Velocity, own_coordinate
 
 Action = Literal["until", "sample", "release", "engage"]
 WATCHED = "condition"  # kind of a condition that is watched
@@ -163,7 +163,7 @@ class StateRate(Effect):
     name: str
     state: State
 
-    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
+    def forces(self, bodies: Bodies) -> Loads:
         """ẏ on the integral of y."""
         return {self.state.integral: self.state.rate}
 

@@ -1,8 +1,8 @@
-"""The symbols of a declaration, distinguished by class and not by name."""
+"""The symbols of a declaration, distinguished by class and not by name, and derivatives by them."""
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any, Literal, NamedTuple
 
 import sympy
@@ -277,3 +277,34 @@ def rate(s: sympy.Expr) -> sympy.Expr:
     """ds/dt = s_q q̇ + s_t."""
     slopes = (sympy.diff(s, q) * q.rate for q in kinds(s, Coordinate))
     return sympy.Add(*slopes, sympy.diff(s, t))
+
+
+@cache
+def derivative(expression: sympy.Expr, symbol: sympy.Symbol) -> sympy.Expr:
+    """∂ expression / ∂ symbol, by the rules of calculus alone: sums, products, constant powers.
+
+    SymPy differentiates a power as if its exponent might vary, and asks a page of questions about
+    the sign of its base: half the time of a build. All else is left to SymPy.
+    """
+    if expression == symbol:
+        return sympy.S.One
+    if symbol not in expression.free_symbols:
+        return sympy.S.Zero
+    args = list(expression.args)
+    if expression.is_Add:
+        return sympy.Add(*(derivative(a, symbol) for a in args))
+    if expression.is_Mul:
+        return sympy.Add(
+            *(
+                sympy.Mul(*args[:k], derivative(a, symbol), *args[k + 1 :])
+                for k, a in enumerate(args)
+            )
+        )
+    if expression.is_Pow and args[1].is_number:
+        base, exponent = args
+        return expression * (derivative(base, symbol) * exponent / base)
+    if isinstance(expression, sympy.floor):
+        return sympy.S.Zero  # between its jumps, at which steps end
+    if isinstance(expression, sympy.sin | sympy.cos):
+        return expression.fdiff(1) * derivative(args[0], symbol)
+    return sympy.diff(expression, symbol)

@@ -2,7 +2,8 @@
 
 Scalar, pair, vector, number, condition, word, flag, mapping, names: each kind has one method of
 `Reader`. It returns plain numbers, SymPy expressions in SI units and text; what is of another kind
-is noted, one sentence each, and a value of the kind stands in for it.
+is noted, one sentence each, and a value of the kind stands in for it. `expression_problem` says
+what an expression may consist of, wherever it stands in a declaration.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -12,20 +13,27 @@ from typing import Any
 
 import sympy
 from sympy.core.relational import Relational
+from sympy.logic.boolalg import Boolean
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
-from codegen.declare.expression_rules import expression_problem
 from codegen.declare.scene import name_of
 from codegen.declare.symbols import (
+    Acceleration,
     Coordinate,
+    Given,
+    Multiplier,
+    Parameter,
     ParameterDeclaration,
+    Side,
+    Speed,
+    Time,
     Velocity,
-    dotted,
+    alpha,
     kinds,
 )
-from codegen.readers.calls import failure
-from codegen.readers.expressions import plain_expression
+from codegen.readers.calls import failure, unreadable
+from codegen.readers.expressions import UNFINISHED, distinct_nodes, plain_expression, unreal_part
 from codegen.readers.quantities import UnitError, in_unit
 from codegen.readers.values import (
     KindError,
@@ -38,6 +46,77 @@ from codegen.readers.values import (
     plain_float,
     shown,
 )
+from codegen.tables.table_function import Interpolant, TableAtom
+
+INTERNAL = (Given, Side, Speed, Multiplier, Acceleration)
+"""Symbols of the equations of elements, which mean nothing in a declaration."""
+FUNCTIONS = (
+    *(Interpolant, sympy.Piecewise, sympy.Abs, sympy.Heaviside, sympy.Max, sympy.Min, sympy.sign),
+    *(sympy.sin, sympy.cos, sympy.tan, sympy.asin, sympy.acos, sympy.atan, sympy.atan2),
+    *(sympy.sinh, sympy.cosh, sympy.tanh, sympy.exp, sympy.log),
+    *(sympy.floor, sympy.ceiling, sympy.Mod),
+)
+"""The functions that can be compiled."""
+PLAIN = (
+    *(sympy.Symbol, sympy.Number, sympy.NumberSymbol, sympy.Add, sympy.Mul, sympy.Pow, TableAtom),
+    *(sympy.I.func, sympy.zoo.func, Relational, Boolean, sympy.Tuple, *UNFINISHED),
+)
+"""What needs no function, or is refused for a reason of its own."""
+MEANINGFUL = (Coordinate, Velocity, Time, Parameter)
+"""Symbols that mean something in a declaration."""
+
+
+def expression_problem(expression: sympy.Expr, profile: bool = False) -> str | None:
+    """Why an expression can stand nowhere in a declaration; a `profile` may contain `alpha`."""
+    if isinstance(expression, MEANINGFUL):
+        return None
+    try:
+        return _problem(expression, profile)
+    except Exception as error:  # of SymPy, of an expression too deep
+        return unreadable(error)
+
+
+def _problem(expression: sympy.Expr, profile: bool) -> str | None:
+    for symbol in sorted(expression.free_symbols, key=str):
+        if symbol == alpha and not profile:
+            return (
+                f"{one_line(expression)} contains alpha, the parameter of a profile, which means "
+                "nothing outside of body.curve(...) and body.polar(...); a cam's contact is at "
+                "joint.alpha."
+            )
+        if isinstance(symbol, INTERNAL) and symbol != alpha:
+            return (
+                f"{one_line(expression)} contains '{one_line(symbol)}', a placeholder of an "
+                "element's equations; use coordinates, velocities, parameters and t."
+            )
+    return compile_problem(expression)
+
+
+def compile_problem(expression: sympy.Basic) -> str | None:
+    """Why an expression has no value, or cannot be compiled; None: it can."""
+    found = unreal_part(expression)
+    unknown = [
+        node
+        for node in distinct_nodes(expression)
+        if node.func not in FUNCTIONS and not isinstance(node, PLAIN) and not node.is_number
+    ]
+    if unknown:
+        known = ", ".join(sorted(f.__name__ for f in FUNCTIONS[2:]))
+        what = min(map(one_line, unknown))
+        return f"{what} cannot be compiled; known are {known}, powers and Piecewise."
+    pieces = expression.atoms(sympy.Piecewise)
+    incomplete = [piece for piece in pieces if piece.args[-1].cond != sympy.true]
+    if incomplete:
+        return (
+            f"{one_line(min(incomplete, key=str))} says nothing where none of its conditions "
+            "holds; end it with (value, True)."
+        )
+    if found:
+        part, why = found
+        start = "the value" if part == expression else shown(expression)
+        return f"{start} {one_line(why)}; give finite real numbers."
+    return None
+
 
 Names = Iterable["str | Body | Constraint | Effect"]
 # From names or symbols; a mapping whose keys were said would take no other mapping's variable.
@@ -241,7 +320,7 @@ class Reader:
                 return []
         chosen = [name_of(e) for e in given]
         for name, e in zip(chosen, given, strict=True):
-            if not isinstance(e, str) and known.get(name, e) is not e:
+            if not isinstance(e, str | sympy.Symbol) and known.get(name, e) is not e:
                 self.note(f"{where}: {word} '{name}' is given as an object of another model.")
         return chosen
 
@@ -259,18 +338,22 @@ class Reader:
             self.note(f"{where}: no {kind} '{name}'; {hint}")
         return tuple(name for name in known if name in chosen)
 
-    def states(self, values: Any, units: Mapping[str, str], word: str, where: str) -> NamedValues:
+    def states(
+        self, values: Any, unit_of: Callable[[str], str | None],
+        known: Callable[[], Iterable[str]], word: str, where: str,
+    ) -> NamedValues:  # fmt: skip
         """Values of coordinates, velocities and states, by ``"crank.phi"`` or their symbols.
 
-        `units` has the SI units of all that there are.
+        `unit_of` returns the SI unit of one, None where it is none, and `known` all that there are.
         """
         numbers = {}
         for key, value in self.mapping(values, word, "{'crank.phi': 1.0}", where).items():
-            name = dotted(key) if isinstance(key, sympy.Symbol) else name_of(key)
-            if name in units:
-                numbers[name] = self.finite(value, units[name], f"{where}, {name}")
+            name = name_of(key)
+            unit = unit_of(name)
+            if unit is not None:
+                numbers[name] = self.finite(value, unit, f"{where}, {name}")
             else:
-                hint = nearest_quantity(name, units)
+                hint = nearest_quantity(name, known())
                 self.note(f"{where}: '{name}' is no coordinate or velocity; {hint}")
         return tuple(numbers.items())
 

@@ -15,8 +15,7 @@ import sympy
 
 from codegen.declare.element import ConjugateReaction, Constraint, JointReaction, Statement
 from codegen.declare.returned_values import statement_of
-from codegen.declare.symbols import Coordinate, Multiplier, kinds, t
-from codegen.derive.fast_derivative import derivative
+from codegen.declare.symbols import Coordinate, Multiplier, derivative, kinds, t
 from codegen.derive.piecewise_conditions import as_pieces
 
 # safety: golden and silver ratio; symbols get fractional parts of multiples of these
@@ -57,10 +56,8 @@ def _number(expr: sympy.Expr, at: dict[sympy.Symbol, float]) -> _Sized:
         number = float(expr)
         return _Sized(number, abs(number))
     parts = [_number(part, at) for part in expr.args]
-    if expr.is_Add:
-        return _Sized(math.fsum(x.value for x in parts), math.fsum(x.size for x in parts))
-    if expr.is_Mul:
-        return _Sized(math.prod(x.value for x in parts), math.prod(x.size for x in parts))
+    if expr.is_Add or expr.is_Mul:
+        return _Sized(*map(math.fsum if expr.is_Add else math.prod, zip(*parts, strict=True)))
     if expr.is_Pow:
         base, power = parts
         number = math.pow(base.value, power.value)

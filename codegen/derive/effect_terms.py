@@ -5,12 +5,13 @@ Quantities of effects that a scene names as outputs: forces, lengths, rates, pot
 
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
+from itertools import chain
 
 import sympy
 from sympy.core.relational import Relational
 
 from codegen.declare import element as el
-from codegen.declare.body import Body
+from codegen.declare.body import Bodies
 from codegen.declare.returned_values import (
     forces_of,
     measures_of,
@@ -20,11 +21,10 @@ from codegen.declare.returned_values import (
 )
 from codegen.declare.scene import Scene
 from codegen.declare.state import WatchedCondition
-from codegen.declare.symbols import SPEED, Coordinate, Time, kinds, rate, side, t
-from codegen.derive.fast_derivative import derivative
+from codegen.declare.symbols import SPEED, Coordinate, Time, derivative, kinds, rate, side, t
 from codegen.derive.piecewise_conditions import kinks_as_pieces, tables_by_branches
 from codegen.derive.power_continuation import continue_powers
-from codegen.elements.scalar_measures import is_angle, is_length
+from codegen.elements.scalar_measures import along_scalar, unit_of
 
 Measure = el.Measure
 
@@ -56,10 +56,16 @@ class EffectTerms:
     hold: el.Hold | None = None  # how it keeps its switching function at zero
     reported: tuple[tuple[str, str, sympy.Expr], ...] = ()  # (component, unit, value) of its forces
     # the quantities of the effect that the scene names among its outputs
-    measures: tuple[el.Measure, ...] = ()
+    measures: el.Measures = ()
     # (body, mass, acceleration) of the products that stand in V as one number
     weights: tuple[tuple[str, sympy.Expr, sympy.Expr], ...] = ()
     watched: sympy.Expr | None = None  # 1 where a condition holds that a run watches, else 0
+
+    @property
+    def moving(self) -> list[sympy.Expr]:
+        """The scalars, forces and potential, in the order that their conditions are numbered in."""
+        found = [*chain(*self.pulls), *(force for _, force in self.loads)]
+        return found if self.potential is None else [*found, self.potential]
 
     @cached_property
     def gradient(self) -> tuple[tuple[Coordinate, sympy.Expr], ...]:
@@ -80,7 +86,7 @@ class EffectTerms:
         return tuple((q, force) for q, force in rows if force != 0)
 
 
-def effect_terms(effect: el.Effect, bodies: tuple[Body, ...]) -> EffectTerms:
+def effect_terms(effect: el.Effect, bodies: Bodies) -> EffectTerms:
     """Potential and forces of `effect` in a scene with `bodies`."""
     potential = potential_of(effect, bodies)
     elastic: el.Pulls = ()
@@ -148,9 +154,7 @@ def _friction(effect: str, law: el.FrictionLaw, law_at_rest: el.Hold | None) -> 
 _WORD = {"N": "force", "N m": "torque"}  # unit → quantity
 
 
-def effect_measures(
-    effect: el.Effect, terms: EffectTerms, bodies: tuple[Body, ...]
-) -> tuple[el.Measure, ...]:
+def effect_measures(effect: el.Effect, terms: EffectTerms, bodies: Bodies) -> el.Measures:
     """All quantities that an effect has as outputs, beside the components that it reports.
 
     What an effect does not say itself in ``measures(bodies)`` follows from its terms: of a force
@@ -167,7 +171,7 @@ def effect_measures(
     return tuple(measured(measure) for measure in found if measure.row not in reported)
 
 
-def available_quantities(terms: EffectTerms, measures: tuple[el.Measure, ...]) -> set[str]:
+def available_quantities(terms: EffectTerms, measures: el.Measures) -> set[str]:
     """Quantities of an effect that a scene may name, also those that it reports unasked."""
     units = {unit for _, unit, _ in terms.reported}
     named = {component for component, *_ in terms.reported if component in el.QUANTITIES}
@@ -176,7 +180,7 @@ def available_quantities(terms: EffectTerms, measures: tuple[el.Measure, ...]) -
     return named | {m.quantity for m in measures} | {_WORD[unit] for unit in units & {*_WORD}}
 
 
-def terms_in_scene(effect: el.Effect, scene: Scene, bodies: tuple[Body, ...]) -> EffectTerms | None:
+def terms_in_scene(effect: el.Effect, scene: Scene, bodies: Bodies) -> EffectTerms | None:
     """The terms of an effect with the quantities that the scene asks for; None: it does not act.
 
     A kinematic scene has of an effect the geometry that it asks for, and nothing else.
@@ -197,24 +201,15 @@ def terms_in_scene(effect: el.Effect, scene: Scene, bodies: tuple[Body, ...]) ->
     return terms
 
 
-def _derived(
-    effect: el.Effect, terms: EffectTerms, bodies: tuple[Body, ...]
-) -> tuple[el.Measure, ...]:
+def _derived(effect: el.Effect, terms: EffectTerms, bodies: Bodies) -> el.Measures:
     if terms.friction is not None:
         unit = "rad/s" if terms.friction.unit == "N m" else "m/s"
         return (el.Measure("rate", "", unit, terms.friction.slip),)
     pulls = optional_terms(effect, bodies).pulls
     if len(pulls) == 1 and not terms.loads and potential_of(effect, bodies) is None:
         ((s, force),) = pulls
-        turns = is_angle(s)
-        if turns or is_length(s):
-            word, unit = ("angle", "rad") if turns else ("length", "m")
-            exerted, force_unit = ("torque", "N m") if turns else ("force", "N")
-            return (
-                el.Measure(word, "", unit, s),
-                el.Measure("rate", "", f"{unit}/s", SPEED, s),
-                el.Measure(exerted, "", force_unit, force, s),
-            )
+        if unit := unit_of(s):
+            return along_scalar(s, unit, force)
     forces = dict(terms.forces)
     for q, slope in terms.gradient:
         forces[q] = forces.get(q, sympy.S.Zero) - slope

@@ -1,14 +1,13 @@
 """A model and one of its scenes → all equations, element by element, as immutable values."""
 
-from collections.abc import Set
+from collections.abc import Iterator, Set
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import sympy
 
-from codegen.declare.body import Body
+from codegen.declare.body import Bodies, Body
 from codegen.declare.element import Constraint, Effect, Element, Statement, label
-from codegen.declare.returned_kinds import name_errors
 from codegen.declare.returned_values import replaced_body
 from codegen.declare.scene import Scene
 from codegen.declare.state import WATCHED, State, WatchedCondition, states_in
@@ -26,17 +25,10 @@ from codegen.derive.parameter_conditions import (
     profiles_of,
 )
 from codegen.derive.scene_picture import ScenePicture, scene_picture
-from codegen.derive.watched_functions import (
-    PeakedFunction,
-    TableRange,
-    TimeFunction,
-    peaked_functions,
-    table_ranges,
-    time_functions,
-)
 from codegen.garbage_collection import collection_paused
 from codegen.model import Model
 from codegen.model.base import TRACKED
+from codegen.readers.calls import errors_at
 
 
 @dataclass(frozen=True)
@@ -119,21 +111,6 @@ class Equations:
                 values.append(SampledValue(s.name, s.symbol, trigger.sample, one, zero, k))
         return tuple(values)
 
-    @property
-    def time_functions(self) -> tuple[TimeFunction, ...]:
-        """The explicit functions of time."""
-        return time_functions(self.constraints, self.effects)
-
-    @property
-    def peaked_functions(self) -> tuple[PeakedFunction, ...]:
-        """The functions of the position that may peak between the ends of a step."""
-        return peaked_functions(self.constraints, self.effects, self.switches)
-
-    @property
-    def table_ranges(self) -> tuple[TableRange, ...]:
-        """The tables that a motion may leave."""
-        return table_ranges(self.constraints, self.effects)
-
     def without_effect(self, name: str) -> "Equations":
         """These equations without an effect, and without the states that it alone contains."""
         rest = tuple(e for e in self.effects if e.name != name)
@@ -187,27 +164,45 @@ def tracked_points(equations: Equations) -> tuple[str, ...]:
     return tuple(e.name for e in equations.effects if e.kind == TRACKED)
 
 
-def active_joints(model: Model, scene: Scene) -> dict[str, Constraint]:
-    """Joints whose bodies all take part; links that stand for a body, where this body does not.
+@dataclass(frozen=True)
+class Parts:
+    """What takes part in a scene, by name; joints whose bodies all do, unless the scene opens them.
 
-    Those that the scene opens do not act.
+    A link that stands for a body takes part where this body does not.
     """
+
+    bodies: Bodies
+    states: tuple[State, ...]
+    joints: dict[str, Constraint]
+    drivers: dict[str, Constraint]
+    effects: dict[str, Effect]
+    moves: bool  # whether forces act
+
+    @property
+    def acting(self) -> list[Element]:
+        """The joints, drivers and, but in kinematics, effects."""
+        effects = self.effects if self.moves else {}
+        return [*self.joints.values(), *self.drivers.values(), *effects.values()]
+
+
+def parts_of(model: Model, scene: Scene) -> Parts:
+    """What takes part in a scene of a model."""
     present = {"ground", *scene.bodies}
-    chosen = {}
-    for name, joint in model.joints.items():
-        stands_for = replaced_body(joint)
-        replaced = stands_for is None or stands_for.name not in present
-        closed = name not in scene.inactive_joints
-        if closed and replaced and all(body.name in present for body in joint.bodies):
-            chosen[name] = joint
-    return chosen
-
-
-def acting_elements(model: Model, scene: Scene) -> list[Element]:
-    """The joints, drivers and, but in kinematics, effects that act in a scene."""
-    elements: list[Element] = [*active_joints(model, scene).values()]
-    elements += [model.drivers[name] for name in scene.drivers]
-    return elements + ([] if scene.analysis == "kinematics" else [*model.acting(scene).values()])
+    joints = {
+        name: joint
+        for name, joint in model.joints.items()
+        if name not in scene.inactive_joints
+        and all(body.name in present for body in joint.bodies)
+        and ((body := replaced_body(joint)) is None or body.name not in present)
+    }
+    return Parts(
+        tuple(model.bodies[name] for name in scene.bodies),
+        tuple(model.states[name] for name in scene.states),
+        joints,
+        {name: model.drivers[name] for name in scene.drivers},
+        model.acting(scene),
+        scene.analysis != "kinematics",
+    )
 
 
 def body_equations(body: Body) -> ConstraintEquations:
@@ -218,32 +213,29 @@ def body_equations(body: Body) -> ConstraintEquations:
 
 
 def _constraint_equations(element: Constraint, driver: bool) -> ConstraintEquations:
-    with name_errors(element):
+    with errors_at(label(element)):
         terms = cs.constraint_terms(element)
         return ConstraintEquations(element.name, element.kind, driver, *terms)
 
 
-def _effect_equations(
-    effects: dict[str, Effect], scene: Scene, bodies: tuple[Body, ...]
-) -> tuple[EffectEquations, ...]:
+def _effect_equations(scene: Scene, parts: Parts) -> Iterator[EffectEquations]:
     """The equations of the effects that act in a scene, or whose geometry it asks for."""
-    found = []
-    for name, effect in effects.items():
-        with name_errors(effect):
+    for name, effect in parts.effects.items():
+        with errors_at(label(effect)):
+            terms: EffectTerms | None
             if effect.kind == TRACKED:
-                found.append(EffectEquations(name, effect.kind, effect_terms(effect, bodies)))
-            elif (terms := terms_in_scene(effect, scene, bodies)) is not None:
-                found.append(EffectEquations(name, effect.kind, terms))
-    return tuple(found)
+                terms = effect_terms(effect, parts.bodies)
+            else:
+                terms = terms_in_scene(effect, scene, parts.bodies)
+            if terms is not None:
+                yield EffectEquations(name, effect.kind, terms)
 
 
 @collection_paused()
 def derive(model: Model, scene: Scene) -> Equations:
     """Instantiate every element that takes part in `scene`."""
-    bodies = tuple(model.bodies[name] for name in scene.bodies)
-    states = tuple(model.states[name] for name in scene.states)
-    joints = active_joints(model, scene)
-    drivers = {name: model.drivers[name] for name in scene.drivers}
+    parts = parts_of(model, scene)
+    bodies, states, joints, drivers = parts.bodies, parts.states, parts.joints, parts.drivers
     constraints = tuple(body_equations(body) for body in bodies if body.equations)
     constraints += tuple(
         _constraint_equations(e, e.name in drivers) for e in (*joints.values(), *drivers.values())
@@ -253,23 +245,32 @@ def derive(model: Model, scene: Scene) -> Equations:
         *(state.integral for state in states),
         *(q for c in constraints for _, q in c.statement.own),
     )
-    dynamic = scene.analysis != "kinematics"
     watched = model.watched(scene)
-    effects = _effect_equations(model.acting(scene), scene, bodies)
+    effects = tuple(_effect_equations(scene, parts))
     effects += tuple(
         EffectEquations(one.name, one.kind, effect_terms(one, bodies)) for one in watched
     )
-    overrides = dict(scene.parameters)
-    mass, force = inertia(bodies, states, coordinates) if dynamic else ((), ())
-    used = _symbols((mass, force, [s.expressions for s in states]), constraints, effects)
+    mass, force = inertia(bodies, states, coordinates) if parts.moves else ((), ())
+    # the parameters of the elements that take part
+    bound = [(c.terms, [*c.statement.bindings.values()]) for c in constraints]
+    rates = [s.expressions for s in states]
+    used = {
+        symbol.name
+        for expression in expressions_in((mass, force, rates, effects, bound))
+        for symbol in expression.free_symbols
+        if isinstance(symbol, Parameter)
+    }
+    values = {p.name: p.value for p in model.parameters.values()} | dict(scene.parameters)
     parameters = tuple(
-        ParameterDeclaration(p.name, overrides.get(p.name, p.value), p.unit, p.sign)
-        for p in model.parameters.values()
-        if p.name in used
+        replace(p, value=values[p.name]) for p in model.parameters.values() if p.name in used
     )
     taking_part = {*joints, *drivers, *(e.name for e in effects if e.kind != WATCHED)}
-    everything: list[Element] = [*model.joints.values(), *model.drivers.values()]
-    everything += model.effects.values()
+    everything = (model.joints, model.drivers, model.effects)
+    drawn: dict[str, list[Element]] = {
+        "joint": [*joints.values()],
+        "driver": [*drivers.values()],
+        "force": [e for e in parts.effects.values() if parts.moves or e.kind == TRACKED],
+    }
     equations = Equations(
         model=model.name,
         scene=scene,
@@ -279,49 +280,25 @@ def derive(model: Model, scene: Scene) -> Equations:
         mass=mass,
         inertia_force=force,
         constraints=constraints,
-        left_out=tuple((e.name, e.kind) for e in everything if e.name not in taking_part),
+        left_out=tuple(
+            (e.name, e.kind)
+            for table in everything
+            for e in table.values()
+            if e.name not in taking_part
+        ),
         unused=tuple(name for name in model.parameters if name not in used),
         states=states,
         watched=watched,
         labels=tuple(model.labels.items()),
-        picture=_picture(model, scene, frozenset(p.name for p in parameters)),
+        picture=scene_picture(model.ground, bodies, drawn, values, frozenset(used)),
     )
     if parameters and not scene.frozen:
-        acting = acting_elements(model, scene)
         conditions, profiles = list[ElementCondition](), list[Profile]()
-        for element in acting:
-            with name_errors(element):
+        for element in parts.acting:
+            with errors_at(label(element)):
                 own = element_conditions(element, bodies)
                 conditions += carried(own, parameters, model.defaults)
                 profiles += profiles_of(element)
         once = tuple(dict.fromkeys(conditions))
         equations = replace(equations, conditions=once, profiles=tuple(profiles))
     return equations.with_effects(effects)
-
-
-def _picture(model: Model, scene: Scene, known: frozenset[str]) -> ScenePicture:
-    """What the scene looks like."""
-    moving = scene.analysis != "kinematics"
-    acting = model.acting(scene).values()
-    forces = [e for e in acting if moving or e.kind == TRACKED]
-    elements: dict[str, list[Element]] = {
-        "joint": [*active_joints(model, scene).values()],
-        "driver": [model.drivers[name] for name in scene.drivers],
-        "force": [*forces],
-    }
-    bodies = tuple(model.bodies[name] for name in scene.bodies)
-    values = {p.name: p.value for p in model.parameters.values()} | dict(scene.parameters)
-    return scene_picture(model.ground, bodies, elements, values, known)
-
-
-def _symbols(
-    inertial: object,
-    constraints: tuple[ConstraintEquations, ...],
-    effects: tuple[EffectEquations, ...],
-) -> frozenset[str]:
-    """Names of the parameters of the elements that take part."""
-    parts: list[object] = [inertial, effects]
-    for constraint in constraints:
-        parts += [constraint.terms, list(constraint.statement.bindings.values())]
-    symbols = {symbol for e in expressions_in(parts) for symbol in e.free_symbols}
-    return frozenset(s.name for s in symbols if isinstance(s, Parameter))

@@ -15,7 +15,7 @@ which is what a body has to promise; then no pivot vanishes in any order of elim
 
 import sympy
 
-from codegen.declare.body import Body
+from codegen.declare.body import Bodies, Body, Loads
 from codegen.declare.state import State
 from codegen.declare.symbols import Coordinate, kinds
 from codegen.readers.calls import errors_at
@@ -24,7 +24,7 @@ Entries = tuple[tuple[int, int, sympy.Expr], ...]
 
 
 def inertia(
-    bodies: tuple[Body, ...], states: tuple[State, ...], coordinates: tuple[Coordinate, ...]
+    bodies: Bodies, states: tuple[State, ...], coordinates: tuple[Coordinate, ...]
 ) -> tuple[Entries, tuple[tuple[int, sympy.Expr], ...]]:
     """(row, column, entry) of M, 1 for a state, and (column, Q_v) where it is not zero."""
     columns = {q: k for k, q in enumerate(coordinates)}
@@ -53,7 +53,7 @@ def _augment(
     body: Body,
     phi: sympy.Expr,
     block: dict[tuple[Coordinate, Coordinate], sympy.Expr],
-    pushes: dict[Coordinate, sympy.Expr],
+    pushes: Loads,
 ) -> None:
     """Add μ n nᵀ to the block, and μ n γ to the forces."""
     moved = kinds(phi, Coordinate)

@@ -6,9 +6,9 @@ from typing import cast
 
 import sympy
 
-from codegen.declare.body import Body
+from codegen.declare.body import Bodies
 from codegen.declare.element import Constraint, Effect, Element, label
-from codegen.declare.element_conditions import Condition, derivatives, hold_conditions
+from codegen.declare.element_fields import Condition, derivatives, hold_conditions
 from codegen.declare.returned_values import closed_curves, conditions_of, statement_of
 from codegen.declare.symbols import Parameter, ParameterDeclaration, alpha, kinds, t
 from codegen.derive.effect_terms import effect_terms
@@ -48,7 +48,7 @@ def expressions_in(part: object) -> Iterator[sympy.Basic]:
             stack += vars(part).values()
 
 
-def element_conditions(element: Element, bodies: tuple[Body, ...]) -> list[ElementCondition]:
+def element_conditions(element: Element, bodies: Bodies) -> list[ElementCondition]:
     """All conditions of an element that acts, on numbers as on parameters."""
     conditions = list(conditions_of(element))
     parts: object

@@ -6,19 +6,18 @@ from typing import Any, NamedTuple
 
 import sympy
 
-from codegen.declare.body import Body, Curve, Point
-from codegen.declare.element import Element, JointReaction
-from codegen.declare.returned_kinds import name_errors, one_of, returned, several
-from codegen.declare.returned_values import statement_of
-from codegen.declare.symbols import Coordinate, Parameter, Time, kinds, t
-from codegen.derive.fast_derivative import derivative
+from codegen.declare.body import Bodies, Body, Curve, Point
+from codegen.declare.element import Element, JointReaction, label
+from codegen.declare.returned_values import returned, statement_of
+from codegen.declare.symbols import Coordinate, Parameter, Time, derivative, kinds, t
 from codegen.drawing import shapes
 from codegen.drawing.picture import BodyLayout, Symbol
 from codegen.drawing.shapes import Place, Shape
-from codegen.readers.arguments import optional
+from codegen.readers.arguments import one_of, optional, several
+from codegen.readers.calls import errors_at
 from codegen.readers.expressions import plain_expression
 
-_SHAPES = several(one_of(Shape, needed="a tuple of shapes"), "a tuple of shapes")
+_SHAPES = optional(several(one_of("a shape", Shape), "a tuple of shapes"))
 Hubs = dict[frozenset[Body], tuple[Point, ...]]
 """Two bodies → the points at which a pin connects them."""
 
@@ -64,7 +63,7 @@ class ScenePicture:
 
 
 def scene_picture(
-    ground: Body, bodies: tuple[Body, ...], elements: Mapping[str, list[Element]],
+    ground: Body, bodies: Bodies, elements: Mapping[str, list[Element]],
     parameters: Mapping[str, float], known: frozenset[str],
 ) -> ScenePicture:  # fmt: skip
     """The picture of a scene.
@@ -119,8 +118,8 @@ def _numbered(shape: Shape, numbers: Mapping[Body, int]) -> Shape:
 
 def _shapes(element: Element, role: str, hubs: Hubs) -> Iterator[Shape]:
     """The shapes that an element answers, or a mark at each of its points."""
-    with name_errors(element):
-        drawn = returned(element, "shapes", optional(_SHAPES))
+    with errors_at(label(element)):
+        drawn = returned(element, "shapes", _SHAPES)
         if drawn is None:
             at = (v for v in vars(element).values() if isinstance(v, Point))
             drawn = tuple(shapes.Mark(point) for point in at)

@@ -1,6 +1,6 @@
 """Switching functions of a scene: conditions, frictions that stick, contacts, freewheels."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Literal
@@ -9,9 +9,17 @@ import sympy
 from sympy.core.relational import Relational
 
 from codegen.declare.element import Hold, OneWay, Rigid, Sticking
-from codegen.declare.symbols import Acceleration, Coordinate, Side, Velocity, kinds, side, t
+from codegen.declare.symbols import (
+    Acceleration,
+    Coordinate,
+    Side,
+    Velocity,
+    derivative,
+    kinds,
+    side,
+    t,
+)
 from codegen.derive.effect_terms import EffectTerms
-from codegen.derive.fast_derivative import derivative
 from codegen.derive.piecewise_conditions import (
     Boundary,
     boundary,
@@ -147,7 +155,7 @@ def _add_hold(name: str, hold: Hold | None, contacts: list[Switch], others: list
 
 def _add_conditions(name: str, terms: EffectTerms, others: list[Switch]) -> None:
     """Add the switches of the conditions of an effect that have none yet."""
-    for condition in conditions(_expressions(terms)):
+    for condition in _conditions(terms):
         g, at_zero = switching_function(condition), boundary(condition)
         found = find_switch(g, at_zero, others)
         if found is None:
@@ -199,7 +207,7 @@ def stiction(effects: Sequence[Named], among: tuple[Switch, ...]) -> tuple[tuple
     """
     switching = [s.switch for s in side_values(effects, among)]
     for _, terms in effects:
-        functions = (switching_function(c) for c in conditions(_expressions(terms)))
+        functions = (switching_function(c) for c in _conditions(terms))
         switching += [same[0] for g in functions if (same := _same(g, among))]
     rubbing = {name for name, terms in effects if terms.friction and terms.friction.sticks}
     return tuple(
@@ -220,7 +228,7 @@ def prescribed_shares(
     """
     if not any(terms.friction for _, terms in effects):
         return ()
-    functions = (switching_function(c) for _, e in effects for c in conditions(_expressions(e)))
+    functions = (switching_function(c) for _, e in effects for c in _conditions(e))
     own = {k for _, k in stiction(effects, among)}
     own |= {same[0] for g in functions if (same := _same(g, among))}
     return tuple(
@@ -253,10 +261,6 @@ def _same(g: sympy.Expr, among: Sequence[Switch]) -> tuple[int, bool] | None:
     return None
 
 
-def _expressions(terms: EffectTerms) -> Iterator[sympy.Expr]:
-    yield from (e for pair in terms.pulls for e in pair)
-    yield from (e for _, e in terms.loads)
-    if terms.potential is not None:
-        yield terms.potential
-    if terms.watched is not None:
-        yield terms.watched
+def _conditions(terms: EffectTerms) -> tuple[Relational, ...]:
+    """The conditions of an effect, or of what a run watches."""
+    return conditions(terms.moving if terms.watched is None else [terms.watched])

@@ -1,33 +1,28 @@
 """Functions in the equations of a scene that a run watches: tables, laws in time, narrow peaks.
 
-The expressions of constraints and effects, in which functions of some kind are looked for.
-
-Messages of runs name the tables of a scene that end, and what they are taken at.
-
 A switch ends a simulation where an effect's table does (`codegen.derive.piecewise_conditions`); all
-other analyses, and tables of motion laws and constraints, have no number beyond.
+other analyses, and tables of motion laws and constraints, have no number beyond: messages name the
+table, and what it is taken at.
 
-Explicit functions of time in a scene: the largest parts of its equations without coordinates.
+At explicit functions of time, the largest parts of the equations without coordinates, a run looks
+before its first step (`runtime.mechanism.explicit_time`): where they bend sharply its steps are
+short, and where their pieces meet steps end.
 
-A run looks at them before its first step (`runtime.mechanism.explicit_time`): where they bend
-sharply its steps are short, and where their pieces meet steps end.
-
-Peaked functions of the position in a scene: a barrier, a magnet, a detent, a bump of a cam.
-
-The length of a step follows the error of the motion, which feels nothing of a peak between the
-places at which a method looks. A run therefore watches the arguments of these functions in each
-step (`runtime.hybrid.step_limits`): they change slowly where the functions do not.
+Peaked functions of the position are a barrier, a magnet, a detent, a bump of a cam. The length of a
+step follows the error of the motion, which feels nothing of a peak between the places at which a
+method looks. A run therefore watches their arguments in each step (`runtime.hybrid.step_limits`):
+they change slowly where the functions do not.
 """
 
-from collections.abc import Iterable, Iterator
-from itertools import chain, combinations
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from collections.abc import Iterator
+from itertools import combinations, zip_longest
+from typing import Literal, NamedTuple
 
 import sympy
 from sympy.core.relational import Relational
 
 from codegen.declare.symbols import SPEED, Coordinate, Parameter, Time, Velocity, kinds
-from codegen.derive.effect_terms import EffectTerms
+from codegen.derive.equations import Equations
 from codegen.derive.piecewise_conditions import (
     STEPS,
     as_pieces,
@@ -40,9 +35,6 @@ from codegen.derive.switching_functions import Switch, find_switch, rate
 from codegen.readers.expressions import powers_with_number_outside
 from codegen.tables.table_function import Interpolant
 
-if TYPE_CHECKING:
-    from codegen.derive.equations import ConstraintEquations, EffectEquations
-
 
 class ElementExpression(NamedTuple):
     """An expression by coordinates and velocities, the time and parameters."""
@@ -53,29 +45,19 @@ class ElementExpression(NamedTuple):
 
 
 def element_expressions(
-    constraints: Iterable["ConstraintEquations"],
-    effects: Iterable["EffectEquations"],
-    functions: tuple[type[sympy.Basic], ...],
+    equations: Equations, *functions: type[sympy.Basic]
 ) -> Iterator[ElementExpression]:
     """Those that have any of `functions`: of constraints, with their bindings, and of effects."""
-    for constraint in constraints:
+    for constraint in equations.constraints:
         bindings = constraint.statement.bindings
         for expression in (*constraint.terms.phi, *bindings.values()):
             if expression.has(*functions):
                 yield ElementExpression(constraint.name, expression.xreplace(bindings))
-    for one in chain.from_iterable(map(_expressions_of, effects)):
-        if one.expression.has(*functions) or (one.along is not None and one.along.has(*functions)):
-            yield one
-
-
-def _expressions_of(effect: "EffectEquations") -> Iterator[ElementExpression]:
-    terms = effect.terms
-    for scalar, force in terms.pulls:
-        yield ElementExpression(effect.name, scalar)
-        yield ElementExpression(effect.name, force, scalar)
-    yield from (ElementExpression(effect.name, force) for _, force in terms.loads)
-    if terms.potential is not None:
-        yield ElementExpression(effect.name, terms.potential)
+    for effect in equations.effects:
+        scalars = [s for pair in effect.terms.pulls for s in (None, pair[0])]
+        for expression, along in zip_longest(effect.terms.moving, scalars):
+            if expression.has(*functions) or (along is not None and along.has(*functions)):
+                yield ElementExpression(effect.name, expression, along)
 
 
 class TableRange(NamedTuple):
@@ -88,12 +70,10 @@ class TableRange(NamedTuple):
     high: float
 
 
-def table_ranges(
-    constraints: Iterable["ConstraintEquations"], effects: Iterable["EffectEquations"]
-) -> tuple[TableRange, ...]:
+def table_ranges(equations: Equations) -> tuple[TableRange, ...]:
     """The tables of constraints and effects that a motion may leave, each use once."""
     found: dict[TableRange, None] = {}
-    for element, expression, along in element_expressions(constraints, effects, (Interpolant,)):
+    for element, expression, along in element_expressions(equations, Interpolant):
         moved = along is not None and expression.has(SPEED)
         taken = expression.xreplace({SPEED: rate(along)}) if moved else expression
         for node in sorted(taken.atoms(Interpolant), key=str):
@@ -118,18 +98,18 @@ class TimeFunction(NamedTuple):
     along: tuple[tuple[sympy.Expr, sympy.Expr], ...] = ()  # (s, f) of the forces, of a "place"
 
 
-def time_functions(
-    constraints: Iterable["ConstraintEquations"], effects: Iterable["EffectEquations"]
-) -> tuple[TimeFunction, ...]:
+def time_functions(equations: Equations) -> tuple[TimeFunction, ...]:
     """The explicit functions of time of constraints and effects, each once."""
     found: dict[TimeFunction, None] = {}
-    for constraint in constraints:
+    for constraint in equations.constraints:
         for expression in (*constraint.terms.phi, *constraint.statement.bindings.values()):
             for part in _parts(expression):
                 found[TimeFunction(constraint.name, "law", part)] = None
-    for effect in effects:
+    for effect in equations.effects:
         moving = [(s, f, {*_parts(s)}) for s, f in effect.terms.pulls if _takes_rate(f, s)]
-        for expression in _expressions(effect.terms):
+        hold = vars(effect.terms.hold).values() if effect.terms.hold else ()
+        parts = (part for part in hold if isinstance(part, sympy.Basic))
+        for expression in (*effect.terms.moving, *parts):
             for part in _parts(expression):
                 along = tuple((s, f) for s, f, places in moving if part in places)
                 role: Role = "place" if along else "effect"
@@ -169,15 +149,6 @@ def _parts(expression: sympy.Basic) -> Iterator[sympy.Expr]:
             stack += node.args[::-1]
 
 
-def _expressions(terms: EffectTerms) -> Iterator[sympy.Basic]:
-    yield from (part for pair in terms.pulls for part in pair)
-    yield from (load for _, load in terms.loads)
-    if terms.potential is not None:
-        yield terms.potential
-    if terms.hold is not None:
-        yield from (part for part in vars(terms.hold).values() if isinstance(part, sympy.Basic))
-
-
 Kind = Literal["exponential", "step", "power"]
 
 _STEPS = (sympy.tanh, sympy.atan)
@@ -198,16 +169,12 @@ class PeakedFunction(NamedTuple):
     argument: sympy.Expr
 
 
-def peaked_functions(
-    constraints: Iterable["ConstraintEquations"],
-    effects: Iterable["EffectEquations"],
-    switches: tuple[Switch, ...],
-) -> tuple[PeakedFunction, ...]:
+def peaked_functions(equations: Equations) -> tuple[PeakedFunction, ...]:
     """The functions of constraints, potentials and forces that may peak, each argument once."""
     found: dict[tuple[Kind, bool, sympy.Expr], PeakedFunction] = {}
-    for element, expression, _ in element_expressions(constraints, effects, _FUNCTIONS):
+    for element, expression, _ in element_expressions(equations, *_FUNCTIONS):
         for function in _functions(element, expression):
-            if not _is_translatable(function.argument, switches):
+            if not _is_translatable(function.argument, equations.switches):
                 continue
             key = function.kind, function.exponent > 0.0, function.argument
             known = found.get(key)

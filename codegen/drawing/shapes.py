@@ -38,6 +38,7 @@ class Shape:
     kind: ClassVar[str] = ""
 
 
+Shapes = tuple[Shape, ...]
 OneShape = TypeVar("OneShape", bound=Shape)
 
 

@@ -2,15 +2,13 @@
 
 import sympy
 
-from codegen.declare.body import Body, Point
+from codegen.declare.body import Bodies, Body, Point
 from codegen.declare.element import ConjugateReaction, Constraint, I, J, Statement, label
-from codegen.declare.element_conditions import Condition
-from codegen.declare.element_fields import Axis, direction, quantity
+from codegen.declare.element_fields import Axis, Condition, Conditions, direction, quantity
 from codegen.declare.symbols import Coordinate, Letter, kinds, t
 from codegen.drawing import shapes
-from codegen.elements.joints.coordinate_differences import DIFFERENCE, LEFT_SIDE, letter_unit
 from codegen.elements.joints.guides import ALONG, bind_axis
-from codegen.elements.joints.links import SPAN
+from codegen.elements.joints.points import DIFFERENCE, LEFT_SIDE, SPAN, letter_unit
 from codegen.elements.registry import element
 
 # safety: (1e-90 m)² is lost in the rounding of any distance, and keeps d / |d| and its derivative
@@ -36,7 +34,7 @@ class Driver(Constraint):
 
 def _drive(
     i: Point | None, at: Point | Body, letter: str, axis: Axis | None = None
-) -> tuple[shapes.Shape, ...]:
+) -> shapes.Shapes:
     """An arrow along an axis or a coordinate, straight or round."""
     ux, uy = axis or (int(letter == "x"), int(letter == "y"))
     return (shapes.Drive(i, at, letter == "phi", ux, uy),)
@@ -54,7 +52,7 @@ class Motion(Driver):
     name: str
     driven: sympy.Expr = quantity()
     law: sympy.Expr = quantity(lambda of: getattr(of.driven, "unit", ""))
-    on: tuple[Body, ...]
+    on: Bodies
 
     def statement(self) -> Statement:
         """One equation; for a single coordinate the reaction is a force or torque on its body."""
@@ -64,7 +62,7 @@ class Motion(Driver):
             reaction = ConjugateReaction.along(row)
         return Statement((self.driven - self.law,), (row,), reaction)
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """An arrow on the body whose coordinate is driven, straight or round."""
         body = next((b for b in self.on if self.driven in (b.x, b.y, b.phi)), None)
         return () if body is None else _drive(None, body, self.driven.letter)
@@ -109,7 +107,7 @@ class PointDriver(Driver):
             )
         return problems
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """An arrow at the point, straight or round."""
         return _drive(None, self.point, self.letter)
 
@@ -138,7 +136,7 @@ class RelativeDriver(Driver):
         phi = (DIFFERENCE[self.letter] - self.law,)
         return Statement(phi, (self.letter,), reaction, I.bind(self.i) | J.bind(self.j))
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """An arrow at the point of body j, straight or round."""
         return _drive(None, self.j, self.letter)
 
@@ -166,7 +164,7 @@ class TranslationDriver(Driver):
         bindings = I.bind(self.i) | J.bind(self.j) | bind_axis(self.axis)
         return Statement((ALONG - self.law,), ("along",), reaction, bindings)
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """An arrow along the axis."""
         return _drive(self.i, self.j, "", self.axis)
 
@@ -197,7 +195,7 @@ class DistanceDriver(Driver):
         bindings = I.bind(self.i) | J.bind(self.j)
         return Statement((DISTANCE - self.law,), ("distance",), reaction, bindings)
 
-    def conditions(self) -> tuple[Condition, ...]:
+    def conditions(self) -> Conditions:
         """A law that is positive at t = 0, as far as can be told."""
         law = str(self.law).replace("{", "{{").replace("}", "}}")
         text = (
@@ -206,6 +204,6 @@ class DistanceDriver(Driver):
         )
         return (Condition(text, (self.law.subs(t, 0),), open=True),)
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """An actuator."""
         return (shapes.Spring(self.i, self.j, elastic=False, actuator=True),)

@@ -4,8 +4,8 @@ from typing import Any
 
 import sympy
 
-from codegen.declare.body import Body, Point
-from codegen.declare.element import Element, Measure, label
+from codegen.declare.body import Bodies, Body, Point
+from codegen.declare.element import Element, Measure, Measures, label
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds, rate
 
 
@@ -53,7 +53,7 @@ def is_constant(*expressions: sympy.Expr) -> bool:
     return not any(kinds(e, Coordinate, Velocity, Time) for e in expressions)
 
 
-def same_body(where: str, bodies: tuple[Body, ...]) -> list[str]:
+def same_body(where: str, bodies: Bodies) -> list[str]:
     """Two ends on one body."""
     if len(bodies) == 2 and bodies[0] is bodies[1]:
         return [f"{where} is between body '{bodies[0].name}' and itself; give two."]
@@ -120,7 +120,7 @@ def force_unit(element: Any) -> str:
 
 def along_scalar(
     s: sympy.Expr, unit: str, force: sympy.Expr, *, named: str | None = None
-) -> tuple[Measure, ...]:
+) -> Measures:
     """A scalar, its rate and the force along it, which may contain `SPEED`, as outputs."""
     word, exerted, force_unit = WORDS[unit]
     return (

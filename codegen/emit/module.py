@@ -1,18 +1,82 @@
-"""A lowered scene → the text of its generated module."""
+"""A lowered scene → the text of its generated module, and of the modules that go with it.
+
+These have derivatives, reduced equations, the picture. Each carries the SHA-256 of the text of the
+scene's own module: with another one it is stale.
+"""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass, fields, replace
+from typing import Any, Literal
 
-from codegen.emit.kernel_docstrings import Arguments, folded_numbers, formula
+from codegen.drawing.picture import VERSION
+from codegen.emit.kernel import Arguments, KernelText, folded_numbers, formula
 from codegen.emit.line_wrapping import assignment, checked, literal, prose, quantity
 from codegen.emit.module_functions import SIN_COS_FUNCTION, lookups, spline_lines
-from codegen.emit.unrolling import Unroll, kernel_texts
+from codegen.emit.rolled_kernel import RolledKernelText
 from codegen.files.generated_modules import MARK, UNSIGNED, signed
+from codegen.lower.kernels.picture_kernels import LoweredPicture
 from codegen.lower.lowered_scene import Lowered
 from codegen.lower.module_tables import Pattern
 from codegen.lower.operation_count import operations
-from codegen.lower.program import Lookup, Program
+from codegen.lower.program import LEAVES, Kernel, Lookup, Program
+from codegen.reduce.reduced_kernels import Reduced
+from codegen.reroll.batching import batch
+from codegen.reroll.rerolling import reroll
+
+Unroll = Literal["auto", "always", "never"]
+"""Write kernels out where that is short; always; never: in loops, however few operations."""
+
+LONGEST = 6000  # measured: statements of a module that is written out, whatever repeats in it
+SHORTEST = 100  # measured: statements of a kernel that is written out in any module
+GAIN = 0.6  # measured: part of a kernel's statements that its loops may have in the text
+LONGEST_KERNEL = 3000  # measured: statements of a kernel, beyond which it is in batches
+
+KernelTexts = list[KernelText | RolledKernelText]
+
+
+def kernel_texts(program: Program, arguments: Arguments, unroll: Unroll) -> KernelTexts:
+    """The texts of a program's kernels, each written out or in loops.
+
+    Straight code is up to twice as fast where a machine is small; from some forty bodies on it is
+    no faster than loops, while its compilation takes minutes. So a long module has loops in all of
+    its kernels that repeat themselves.
+    """
+    sizes = [statements(program, kernel) for kernel in program.kernels]
+    is_long = sum(sizes) > LONGEST
+    return [
+        _text_in_loops(program, kernel, arguments, size if unroll == "auto" else None)
+        if "p" in kernel.arguments
+        and (unroll == "never" or (unroll == "auto" and is_long and size > SHORTEST))
+        else KernelText(program, kernel, arguments)
+        for kernel, size in zip(program.kernels, sizes, strict=True)
+    ]
+
+
+def _text_in_loops(
+    program: Program, kernel: Kernel, arguments: Arguments, size: int | None
+) -> KernelText | RolledKernelText:
+    """The text of a kernel in loops, or what else is shorter for its `size`.
+
+    A kernel without a period is written out where it is short, and in batches otherwise: those take
+    a few hundred lines, whatever the machine, and their time is that of straight code where this is
+    long.
+    """
+    slots = arguments.slots(program)
+    constants = {k: slots[k] for k in program.hoisted(kernel)}
+    base = arguments.declared + len(program.constants)
+    rolled = reroll(program, kernel, constants, base)
+    if rolled.statements > LONGEST_KERNEL:
+        rolled = batch(program, kernel, constants, base)
+    if size is not None and rolled.statements > GAIN * size:
+        return KernelText(program, kernel, arguments)
+    return RolledKernelText(program, kernel, rolled, arguments)
+
+
+def statements(program: Program, kernel: Kernel) -> int:
+    """Operations and outputs of a kernel, negations and choices among them."""
+    counts = program.counts(kernel).items()
+    return sum(count for op, count in counts if op not in LEAVES) + len(kernel.outputs)
+
 
 OPTIONS = '{"cache": True, "error_model": "numpy", "fastmath": {"contract"}, "_nrt": False}'
 """Of numba. Kernels make no arrays: without counts of references they compile a sixth faster. They
@@ -172,3 +236,80 @@ def _tables(lowered: Lowered, origin: Origin) -> dict[str, Any]:
     if len(description.recovered) == len(description.constraints):
         del tables["RECOVERED"]
     return {**tables, "OPERATIONS": operation_table(program)}
+
+
+def tangents_text(lowered: Lowered, program: Program, origin: Origin, module: str) -> str:
+    """The module of a scene's exact derivatives, whose kernels take the scene's own ``p``."""
+    about = (
+        "exact derivatives for implicit methods.",
+        "Each kernel differentiates one of the scene's own module along the direction that it is",
+        "given, operation by operation, with the modes and parameters held. Arguments in SI units.",
+    )
+    arguments = Arguments.of(lowered.description)
+    return _companion_text(lowered, program, origin, module, about, {}, arguments)
+
+
+def reduced_text(lowered: Lowered, reduced: Reduced, origin: Origin, module: str) -> str:
+    """The module of a scene's reduced equations; in its ``p`` branches precede the constants."""
+    description, program = lowered.description, reduced.program
+    kept, all_ = (len(x) - len(description.states) for x in (reduced.kept, description.coordinates))
+    coordinates = f"{kept} of {all_} coordinates"
+    about = (
+        "reduced coordinates.",
+        f"Left: {coordinates}, {len(reduced.closures)} of {len(description.constraints)} rows.",
+        "The kernels are called as those of the scene's own module, of the coordinates",
+        "that are left; expand gives all of them. SI units.",
+    )
+    tables = {
+        "FORMULATION": "reduced",
+        "KEPT": reduced.kept,
+        "CLOSURES": reduced.closures,
+        "ANGLES": reduced.angles,
+        "BRANCHES": reduced.branches,
+        "CONSTANTS": tuple(formula(program, number) for number in program.constants),
+        **reduced.jacobian.tables("JACOBIAN"),
+        **reduced.mass.tables("MASS"),
+    }
+    arguments = Arguments.of(description, reduced.kept, len(reduced.branches))
+    return _companion_text(lowered, program, origin, module, about, tables, arguments)
+
+
+def picture_text(lowered: Lowered, picture: LoweredPicture, origin: Origin, module: str) -> str:
+    """The module of a scene's picture, whose kernels take the scene's own ``p``."""
+    about = (
+        "its picture.",
+        "picture writes the poses of BODIES and the numbers of SHAPES, in the slots that stand",
+        "there, curves the points of curves. SI units.",
+    )
+    layout = picture.layout
+    tables = {
+        "LAYOUT": VERSION, "BODIES": plain(layout.bodies), "SHAPES": plain(layout.shapes),
+    }  # fmt: skip
+    arguments = Arguments.of(lowered.description)
+    # Behind the parameters stand the scene's constants, which are none of the picture's.
+    origin = replace(origin, unroll="always")
+    return _companion_text(lowered, picture.program, origin, module, about, tables, arguments)
+
+
+def plain(rows: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Nested tuples without the names of their fields."""
+    return tuple(plain(row) if isinstance(row, tuple) else row for row in rows)
+
+
+def _companion_text(
+    lowered: Lowered, program: Program, origin: Origin, module: str, about: tuple[str, ...],
+    tables: Mapping[str, Any], arguments: Arguments,
+) -> str:  # fmt: skip
+    model, scene, (first, *more) = lowered.description.model, lowered.description.scene, about
+    head: dict[str, Any] = {
+        "GENERATOR": origin.generator,
+        "MODEL": model,
+        "SCENE": scene,
+        "SOURCES": origin.sources,
+        "DECLARATION_SHA256": origin.declaration,
+        "MODULE_SHA256": module,
+        **tables,
+        "OPERATIONS": operation_table(program),
+    }
+    docstring = [f'"""Machine {model}, scene {scene}: {first}', "", *more, '"""']
+    return assemble_module(program, origin, docstring, head, arguments)

@@ -4,12 +4,10 @@ from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
-from codegen.emit.kernel import heading
-from codegen.emit.kernel_docstrings import Arguments
+from codegen.emit.kernel import Arguments, heading
 from codegen.emit.line_wrapping import filled, literal, prose, wrap_statement
 from codegen.emit.module_functions import lookups
-from codegen.emit.solution_steps import PREFIXES
-from codegen.emit.statements import NOTHING, Scope, Statements
+from codegen.emit.statements import NOTHING, PREFIXES, Scope, Statements
 from codegen.lower.program import LOGICAL, Input, Kernel, Lookup, Output, Program
 from codegen.reroll.parts import Batches, Carried, Entries, Numbers, Part, RolledKernel, Watch
 from codegen.reroll.sequence import Slots

@@ -1,7 +1,8 @@
 """The values of a kernel → statements: lines that compute them, in branches where choices are.
 
-A value that only one side of a choice needs is computed on that side. A value with one user
-becomes part of that user's line while the line stays short.
+A value that only one side of a choice needs is computed on that side. A value with one user becomes
+part of that user's line while the line stays short. Values of a solution have the names of what the
+factorization labels; one without a label belongs to the first step that needs it.
 """
 
 import builtins
@@ -19,14 +20,71 @@ from codegen.emit.line_wrapping import (
     wrap_statement,
 )
 from codegen.emit.module_functions import SIN_COS
-from codegen.emit.solution_steps import (
-    BESIDE_ELEMENTS,
-    PREFIXES,
-    names_of_solution,
-    order_by_steps,
-)
 from codegen.lower.graph import SUMS
 from codegen.lower.program import LEAVES, LOGICAL, Input, Kernel, Lookup, Op, Program
+
+BESIDE_ELEMENTS = {
+    "factorization": "Factorization of M, Φ_q",
+    "correction": "Factorization of Φ_q W Φ_qᵀ",
+    "masses": "Masses",
+    "reduction": "Coordinates by those that are left",
+    "": "Sums",
+}
+"""The heading of values that serve no element; the others are called after their element."""
+
+PREFIXES = {"factorization": "f", "correction": "c", "masses": "m", "reduction": "r", "": "s"}
+"""The beginning of the names of values that serve no element, such as ``f_1``."""
+
+LONGEST = 36  # characters of a name; values with longer ones are numbered
+
+
+def names_of_solution(program: Program, kernel: Kernel, numbers: tuple[int, ...]) -> dict[int, str]:
+    """Value → its name, among the `numbers` that a kernel needs and that bear no element's name."""
+    values = program.values
+    named = [(label.value, label.name) for label in kernel.labels]
+    negative = [(k, name) for k, name in named if values[k].op is Op.NEG]
+    named += [(values[k].args[0], f"minus_{name}") for k, name in negative]  # signs are outside
+    names = {number: name for number, name in reversed(named) if _has_label(program, number)}
+    return {k: names[k] for k in numbers if k in names and len(names[k]) <= LONGEST}
+
+
+def _has_label(program: Program, number: int) -> bool:
+    value = program.values[number]
+    named = value.op in LEAVES or value.op in (Op.SIN, Op.COS)
+    return not named and value.serves in BESIDE_ELEMENTS
+
+
+def order_by_steps(
+    program: Program, kernel: Kernel, hoisted: frozenset[int]
+) -> tuple[tuple[int, ...], dict[int, int]]:
+    """The values that a kernel needs, step by step, and the step of each value of a solution.
+
+    Values are numbered as they were first asked for, perhaps by another kernel or by an order of
+    elimination that was given up; a reader wants those of one step together.
+    """
+    numbers = program.reachable(kernel)
+    if not kernel.steps:
+        return numbers, {}
+    last = len(kernel.steps) - 1
+    own: dict[int, int] = {}
+    for label in kernel.labels:
+        value = program.values[label.value]
+        own.setdefault(label.value, label.step)
+        if value.op is Op.NEG:
+            own.setdefault(value.args[0], label.step)
+    found: dict[int, int] = {}
+    for number in reversed(numbers):
+        found[number] = min(own.get(number, last), found.get(number, last))
+        if number not in hoisted:
+            for a in program.values[number].args:
+                found[a] = min(found.get(a, last), found[number])
+    steps = {number: step for number, step in found.items() if _has_label(program, number)}
+    place: dict[int, int] = {}
+    for number in numbers:
+        args = () if number in hoisted else program.values[number].args
+        place[number] = steps.get(number, max((place[a] for a in args), default=-1))
+    return tuple(sorted(numbers, key=lambda number: (place[number], number))), steps
+
 
 Path = tuple[tuple[int, bool], ...]  # the choices, outermost first, inside which something stands
 WIDTH = 80  # characters of an expression, from which on its longest operand has a line of its own
@@ -289,8 +347,6 @@ class Statements:
         """Whether a side of a choice is a further choice, with the same name to set."""
         return self.values[number].op is Op.SELECT and number in self.plan.inlined
 
-    # -- expressions -------------------------------------------------------------------------
-
     def _text(self, number: int, outer: int) -> str:
         if number in self.names:
             return self.names[number]
@@ -303,7 +359,9 @@ class Statements:
         if value.op is Op.CONST:
             text = literal(value.literal)
             level = SUM if text.startswith("-") else SIGN
-        elif value.op is Op.NOT and self._is_inlined_sliding(value.args[0]):
+        elif value.op is Op.NOT and (
+            value.args[0] not in self.names and self.values[value.args[0]].op is Op.SLIDING
+        ):
             mode = self.values[value.args[0]].args[0]
             text, level = f"{self._text(mode, SIGN)} != 2", NEGATION
         elif value.op in UNARY:
@@ -327,13 +385,8 @@ class Statements:
             text, level = f"{function}({arguments})", SIGN
         return f"({text})" if level < outer else text
 
-    def _is_inlined_sliding(self, number: int) -> bool:
-        return number not in self.names and self.values[number].op is Op.SLIDING
-
     def _is_sum(self, number: int) -> bool:
         return number in self.plan.inlined and self.values[number].op in SUMS
-
-    # -- names -------------------------------------------------------------------------------
 
     def _name(self, number: int) -> str:
         value, counts = self.values[number], self.scope.counts

@@ -26,7 +26,7 @@ from numba import njit, types
 
 from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations
-from codegen.emit.kernel_docstrings import Arguments
+from codegen.emit.kernel import Arguments
 from codegen.emit.module import Origin, assemble_module
 from codegen.errors import InputError
 from codegen.explain.ledger import Ledger, Part, RunCosts

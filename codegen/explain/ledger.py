@@ -8,18 +8,17 @@ from pathlib import Path
 from codegen.declare.element import Constraint, Effect
 from codegen.declare.returned_values import friction_law, replaced_body
 from codegen.declare.scene import Scene
-from codegen.derive.equations import active_joints, derive
-from codegen.emit.kernel_docstrings import Arguments
+from codegen.derive.equations import derive, parts_of
+from codegen.emit.kernel import Arguments
+from codegen.emit.module import LONGEST, kernel_texts, statements
 from codegen.emit.rolled_kernel import RolledKernelText
-from codegen.emit.unrolling import LONGEST, kernel_texts, statements
 from codegen.errors import InputError
 from codegen.explain import operations_by_part as costs
 from codegen.lower.lowered_scene import Lowered
 from codegen.model import Model
 from codegen.model.base import TRACKED
 from codegen.model.bodies import FORMS
-from codegen.model.fidelities import NONE
-from codegen.model.scene_requests import ALL, GROUPS, OF_ANALYSIS
+from codegen.model.scene_requests import ALL, GROUPS, NONE, OF_ANALYSIS
 from codegen.reading.model_file import read_model
 from codegen.reading.scene_selection import valid_scenes
 
@@ -167,7 +166,7 @@ class Inventory:
         self.how = dict(scene.request.fidelity)
         named = [e for e in scene.request.effects if e not in scene.request.without]
         self.choices = {g: model.choice(g, self.how, named) for g in model.groups}
-        self.joints = active_joints(model, scene)
+        self.joints = parts_of(model, scene).joints
 
     def parts(self) -> Iterator[Part]:
         """Joints, drivers, effects, then the fidelities, without their costs."""

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from codegen.derive.equations import Equations
-from codegen.emit.companion_modules import picture_text, reduced_text, tangents_text
-from codegen.emit.module import Origin, operation_table
+from codegen.emit.module import Origin, operation_table, picture_text, reduced_text, tangents_text
 from codegen.errors import SceneError
 from codegen.files.generated_modules import companion_path, text_hash
 from codegen.generated_files.generated_file import Clock, CompanionReport, FileReport

@@ -8,8 +8,7 @@ import sympy
 
 from codegen.derive.equations import Equations
 from codegen.emit.line_wrapping import literal
-from codegen.emit.module import Origin
-from codegen.emit.unrolling import Unroll
+from codegen.emit.module import Origin, Unroll
 from codegen.files.library_folders import LIBRARY, models_folder
 from codegen.reading.model_file import ModelFile
 

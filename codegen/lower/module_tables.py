@@ -17,7 +17,7 @@ from codegen.declare.symbols import SPEED, Parameter, dotted, t
 from codegen.derive.equations import Equations
 from codegen.derive.piecewise_conditions import as_pieces
 from codegen.derive.switching_functions import Switch
-from codegen.derive.watched_functions import PeakedFunction
+from codegen.derive.watched_functions import PeakedFunction, table_ranges, time_functions
 from codegen.lower.graph import Graph
 from codegen.lower.program import LOGICAL, Input, Lookup, Op, dependencies
 from codegen.lower.scene_graph import Reaction, SceneGraph
@@ -37,7 +37,7 @@ _SMOOTH = frozenset({Op.CONST, Op.INPUT, Op.MUL, Op.SELECT, Op.FLOOR, *_SUMS, *L
 def time_programs(equations: Equations) -> tuple[TimeProgram, ...]:
     """The explicit functions of time that a run must look at."""
     programs: dict[TimeProgram, None] = {}
-    for function in equations.time_functions:
+    for function in time_functions(equations):
         lowered = partial(_lowered, equations, function.element)
         graph, root = lowered(function.expression, ())
         needed = sorted(dependencies(graph.values, [root]))
@@ -53,7 +53,7 @@ def time_programs(equations: Equations) -> tuple[TimeProgram, ...]:
 def range_programs(equations: Equations) -> tuple[RangeProgram, ...]:
     """The tables that a motion may leave, and the operations of what they are taken at."""
     programs = []
-    for element, table, at, low, high in equations.table_ranges:
+    for element, table, at, low, high in table_ranges(equations):
         rows = _rows(*_lowered(equations, element, at, None))
         programs.append((element, table, str(at), low, high, rows))
     return tuple(programs)

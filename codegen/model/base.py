@@ -1,9 +1,9 @@
 """The common state of a declaration: its elements, their names and the problems found."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import MISSING, Field, fields, replace
-from functools import cached_property, wraps
+from functools import wraps
 from inspect import isfunction, signature
 from pathlib import Path
 from types import MappingProxyType, NoneType, SimpleNamespace
@@ -12,48 +12,17 @@ from typing import Any, Literal, Self, TypeVar, get_args, get_origin
 import sympy
 
 from codegen.declare import symbols as sy
-from codegen.declare.body import Body, Ground, Particle, Point
+from codegen.declare.body import Bodies, Body, Ground, Particle, Point
 from codegen.declare.element import Constraint, Effect
-from codegen.declare.element_conditions import Condition
-from codegen.declare.element_fields import Quantity
+from codegen.declare.element_fields import Condition, Quantity
 from codegen.declare.returned_values import own_coordinates
 from codegen.declare.scene import Scene
 from codegen.declare.state import Connection, State
-from codegen.declare.symbols import Coordinate, dotted
+from codegen.declare.symbols import dotted
 from codegen.declare.value_reader import Reader, acting_while
 from codegen.elements.registry import role
 from codegen.readers.calls import declaring
 from codegen.readers.values import name_problem, shown
-
-
-def units_of(coordinates: Iterable[Coordinate]) -> dict[str, str]:
-    """Name of a coordinate or velocity → its SI unit."""
-    units: dict[str, str] = {}
-    for q in coordinates:
-        units[dotted(q)] = q.unit
-        units[dotted(q.rate)] = q.measure.rate_unit
-    return units
-
-
-class UnitsOnDemand(Mapping[str, str]):
-    """Units by name; the `others` are found when a name is none of the `first`."""
-
-    def __init__(self, first: Mapping[str, str], others: Callable[[], Mapping[str, str]]) -> None:
-        self._first, self._find_others = first, others
-
-    @cached_property
-    def _all(self) -> dict[str, str]:
-        return {**self._first, **self._find_others()}
-
-    def __getitem__(self, name: str) -> str:
-        return self._first[name] if name in self._first else self._all[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._all)
-
-    def __len__(self) -> int:
-        return len(self._all)
-
 
 Declared = TypeVar("Declared", bound=Constraint | Effect | Body)
 Method = TypeVar("Method", bound=Callable[..., Any])
@@ -134,7 +103,7 @@ class Declarations:
         self.fidelities: dict[str, dict[str, Effect | str]] = {}
         self.groups: dict[str, dict[str, tuple[str, ...]]] = {}
         self.scenes: dict[str, Scene] = {}
-        self.couplers: dict[str, tuple[Body, ...]] = {}
+        self.couplers: dict[str, Bodies] = {}
         self.states: dict[str, State] = {}
         self.connections: dict[str, Connection] = {}
         self.files: tuple[Path, ...] = ()
@@ -336,16 +305,21 @@ class Declarations:
         of_joints = (q for joint in self.joints.values() for q in own_coordinates(joint))
         return (*of_bodies, *of_joints)
 
-    def _units(self) -> Mapping[str, str]:
-        """Name of a coordinate, velocity or state (``"crank.phi"``) → its SI unit."""
-        of_bodies = (q for body in self.bodies.values() for q in body.coordinates)
-        return UnitsOnDemand(units_of(of_bodies), self._other_units)
+    def unit_of(self, name: str) -> str | None:
+        """SI unit of a coordinate, velocity or state (``"crank.phi"``); None where it is none."""
+        if name in self.states:
+            return self.states[name].unit
+        owner = name.rpartition(".")[0]
+        own = self.bodies[owner].coordinates if owner in self.bodies else ()
+        if owner in self.joints:
+            own = own_coordinates(self.joints[owner])
+        return {dotted(s): s.unit for q in own for s in (q, q.rate)}.get(name)
 
-    def _other_units(self) -> dict[str, str]:
-        of_joints = (q for joint in self.joints.values() for q in own_coordinates(joint))
-        return units_of(of_joints) | {dotted(s.symbol): s.unit for s in self.states.values()}
+    def _quantities(self) -> list[str]:
+        """Names of all coordinates, velocities and states."""
+        return [*(dotted(s) for q in self._coordinates() for s in (q, q.rate)), *self.states]
 
-    def _bodies_in(self, *expressions: Any) -> tuple[Body, ...]:
+    def _bodies_in(self, *expressions: Any) -> Bodies:
         symbols = (s for e in expressions for s in sy.kinds(e, sy.Coordinate, sy.Velocity))
         owners = {s.name.rpartition("_")[0] for s in symbols}
         for name in owners & {*self.joints}:

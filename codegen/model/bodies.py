@@ -26,7 +26,7 @@ def _is_list(value: Any) -> bool:
     return isinstance(value, list | tuple | np.ndarray)
 
 
-class Bodies(Constraints):
+class MovingBodies(Constraints):
     """The bodies, particles and couplers of a declaration."""
 
     def body(self, name: str, mass: Any = None, inertia: Any = None, *, draw: Any = None) -> Body:

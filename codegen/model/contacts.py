@@ -1,11 +1,12 @@
 """What keeps bodies apart or rubs between them: contacts, friction, stops, clearances."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Literal
 
 import sympy
 
-from codegen.declare.body import Body
+from codegen.declare.body import Bodies
 from codegen.declare.element import Constraint, Effect, label
 from codegen.declare.symbols import Coordinate, Time, Velocity, kinds, rate
 from codegen.elements.forces.clearance_joint import ClearanceJoint
@@ -14,8 +15,6 @@ from codegen.elements.forces.contacts import (
     RigidContact,
     Stop,
     gap_between,
-    limit_conditions,
-    stop_problems,
 )
 from codegen.elements.forces.friction import JOINTS, DryFriction, JointFriction, joint_coordinate
 from codegen.elements.scalar_measures import unit_of
@@ -64,32 +63,28 @@ class Contacts(Declarations):
         where = f"contact '{name}'"
         gap, bodies = self._gap(name, i, j, free_length, direction, gap)
         pulling = self._read.flag(may_pull, f"{where}: may_pull", True)
-        chosen = self._law_word(fidelity, ("penalty", "rigid"), f"{where}, fidelity")
         soft = stiffness is not None or damping is not None
-        has_both = bool(chosen) and soft and restitution is not None
-        forms: dict[str, Effect | str] = {
-            "penalty": "needs stiffness= in its declaration.",
-            "rigid": "needs restitution= in its declaration.",
-        }
+        has_both = fidelity is not None and soft and restitution is not None
         if not has_both:
             stiffness = self._one_law(
                 where, stiffness, damping, restitution, typical_force,
                 ", or all with fidelity='rigid' or 'penalty' to let scenes choose",
             )  # fmt: skip
+        made: dict[str, Effect] = {}
         if restitution is None or has_both:
-            forms["penalty"] = self._element(
+            made["penalty"] = self._element(
                 Contact, name=name, gap=gap, stiffness=stiffness,
                 damping=0 if damping is None else damping, on=bodies, may_pull=pulling,
             )  # fmt: skip
         if restitution is not None:
             if not pulling and not has_both:
                 self._note(f"{where}: a rigid contact never pulls; leave may_pull out.")
-            forms["rigid"] = self._element(
+            made["rigid"] = self._element(
                 RigidContact, where=where, name=name, gap=gap, restitution=restitution, on=bodies,
                 typical_force=typical_force,
             )  # fmt: skip
-        word = chosen or ("rigid" if restitution is not None else "penalty")
-        return self._chosen_form(where, word, forms)
+        needs = {"penalty": "stiffness=", "rigid": "restitution="}
+        return self._declare_forms(where, fidelity, next(iter(made)), made, needs)
 
     def stop(
         self, name: str, of: Constraint | Any, lower: Any = None, upper: Any = None, *,
@@ -127,12 +122,11 @@ class Contacts(Declarations):
         )  # fmt: skip
         if restitution is None:
             return self._declare(yielding)
-        low, high = yielding.lower, yielding.upper
-        for problem in stop_problems(where, s, low, high):
+        for problem in yielding.problems():
             self._note(problem)
-        self._note_violated(where, *limit_conditions(low, high))
+        self._note_violated(where, *yielding.conditions())
         rigid: RigidContact = self._element(
-            RigidContact, where=where, gap=_gap_of_both(s, low, high), restitution=restitution,
+            RigidContact, where=where, gap=yielding.gap_of_both, restitution=restitution,
             typical_force=typical_force, limits=yielding.gaps, **words,
         )  # fmt: skip
         return self._declare(rigid)
@@ -277,38 +271,38 @@ class Contacts(Declarations):
             )
         return 1 if stiffness is None else stiffness
 
-    def _law_word(self, word: Any, allowed: tuple[str, ...], where: str) -> str:
-        """One of the words; the empty text for None, and for what is none of them."""
-        if word is None:
-            return ""
-        chosen = self._read.choice(word, allowed, where)
-        return chosen if isinstance(word, str) and word in allowed else ""
-
-    def _chosen_form(self, where: str, word: str, forms: dict[str, Effect | str]) -> Effect:
-        """Declare an effect of several fidelities, of which `word` is the default."""
-        chosen = forms[word]
-        if isinstance(chosen, str):
-            self._note(f"{where}: the fidelity '{word}' {chosen}")
-            chosen = next(form for form in forms.values() if not isinstance(form, str))
+    def _declare_forms(
+        self, where: str, word: Any, otherwise: str, made: Mapping[str, Effect],
+        needs: Mapping[str, str],
+    ) -> Effect:  # fmt: skip
+        """Declare an effect in the fidelities `made`, `word` the default; others lack a number."""
+        forms: dict[str, Effect | str] = {
+            form: made.get(form) or f"needs {number} in its declaration."
+            for form, number in needs.items()
+        }
+        if word is not None:
+            before = len(self.problems)
+            word = self._read.choice(word, tuple(forms), f"{where}, fidelity")
+            if len(self.problems) == before and word not in made:
+                self._note(f"{where}: the fidelity '{word}' {forms[word]}")
+        chosen = made[word if word in made else otherwise]
         if self._declare(chosen) is self.effects.get(chosen.name):
             self.fidelities[chosen.name] = forms
         return chosen
 
     def _friction_law(self, law: DryFriction | JointFriction, fidelity: str | None) -> Effect:
         """Declare a friction in each fidelity that it has the numbers for."""
-        where, creeps = label(law), law.creep is not None
+        creeps = law.creep is not None
         if law.static is not None:
             self._bind(law.coefficient, "positive")
-        chosen = self._law_word(fidelity, ("sticking", "regularised"), f"{where}, fidelity")
-        if not chosen and creeps and law.static is not None:
+        if fidelity is None and creeps and law.static is not None:
             return self._declare(law)  # two laws at once, as its check says
-        forms: dict[str, Effect | str] = {
-            "sticking": replace(law, creep=None),
-            "regularised": "needs creep= in its declaration.",
-        }
+        made: dict[str, Effect] = {"sticking": replace(law, creep=None)}
         if creeps:
-            forms["regularised"] = replace(law, static=None)
-        return self._chosen_form(where, chosen or ("regularised" if creeps else "sticking"), forms)
+            made["regularised"] = replace(law, static=None)
+        needs = {"sticking": "", "regularised": "creep="}
+        otherwise = "regularised" if creeps else "sticking"
+        return self._declare_forms(label(law), fidelity, otherwise, made, needs)
 
     def _direction(
         self, where: str, word: str, vector: Any
@@ -320,7 +314,7 @@ class Contacts(Declarations):
             return None
         return ux, uy
 
-    def _surfaces(self, name: str, i: Any, j: Any, missing: str) -> tuple[Ends, tuple[Body, ...]]:
+    def _surfaces(self, name: str, i: Any, j: Any, missing: str) -> tuple[Ends, Bodies]:
         """Two points and their bodies; one that is missing is noted, and the ground."""
         if i is None or j is None:
             self._note(missing)
@@ -329,7 +323,7 @@ class Contacts(Declarations):
 
     def _gap(
         self, name: str, i: Any, j: Any, free_length: Any, direction: Any, gap: Any
-    ) -> tuple[sympy.Expr, tuple[Body, ...]]:
+    ) -> tuple[sympy.Expr, Bodies]:
         """g of a contact, and the bodies that it is between."""
         where = f"contact '{name}'"
         if gap is not None:
@@ -343,7 +337,7 @@ class Contacts(Declarations):
         free = self._value(free_length, "m", f"free length of {where}")
         return gap_between(*ends, along, free), bodies
 
-    def _limited(self, where: str, of: Any) -> tuple[sympy.Expr, str, tuple[Body, ...]]:
+    def _limited(self, where: str, of: Any) -> tuple[sympy.Expr, str, Bodies]:
         """The coordinate that a stop limits, its unit, and the bodies that it is of."""
         given: object = of
         if isinstance(given, JOINTS):
@@ -367,12 +361,3 @@ class Contacts(Declarations):
             return sympy.S.One, "", ()
         s = self._value(of, "", f"coordinate of {where}")
         return s, unit_of(s), self._bodies_in(s)
-
-
-def _gap_of_both(s: sympy.Expr, lower: sympy.Expr | None, upper: sympy.Expr | None) -> sympy.Expr:
-    """A gap that closes at each limit with the slope ±1, smooth in between."""
-    if lower is None:
-        return s if upper is None else upper - s
-    if upper is None:
-        return s - lower
-    return (s - lower) * (upper - s) / (upper - lower)

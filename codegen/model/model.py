@@ -9,18 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect, label
-from codegen.declare.returned_kinds import named
-from codegen.declare.returned_values import check_parts
+from codegen.declare.returned_values import check_parts, named
 from codegen.declare.scene import Scene
 from codegen.elements.registry import ACTIONS
 from codegen.errors import ModelError, NoAttributeError
 from codegen.model.base import Declared
-from codegen.model.cams import Cams
 from codegen.model.contacts import Contacts
 from codegen.model.forces import Forces
-from codegen.model.parameters import Values
-from codegen.model.scene_variations import Variations
-from codegen.model.states import States
+from codegen.model.scenes import Scenes
+from codegen.model.values import Values
 from codegen.object_display import html_of, html_table
 from codegen.readers.calls import declaring, named_attributes
 from codegen.readers.values import one_line, shown
@@ -30,7 +27,7 @@ if TYPE_CHECKING:
 
 
 @named_attributes
-class Model(Values, Variations, Cams, Forces, Contacts, States):
+class Model(Values, Scenes, Forces, Contacts):
     """A planar machine.
 
     Parameters

@@ -1,4 +1,7 @@
-"""What a modeller writes of a scene, read into its request, and the outputs that it asks for."""
+"""What a modeller writes of a scene, read into its request: elements, fidelities, outputs.
+
+An element is declared once; each scene takes it as finely as its question needs.
+"""
 
 import re
 from collections.abc import Iterable, Mapping
@@ -8,19 +11,21 @@ from typing import Any
 
 from sympy import S
 
-from codegen.declare.body import Body, Point
+from codegen.declare.body import Bodies, Point
 from codegen.declare.element import EXERTED, QUANTITIES, Effect, Reported, label
 from codegen.declare.returned_values import effect_expressions, friction_law
-from codegen.declare.scene import ANALYSES, Request, Scene
+from codegen.declare.scene import ANALYSES, Request, Scene, name_of
 from codegen.declare.state import WatchedCondition, states_in
-from codegen.declare.symbols import Velocity
 from codegen.declare.value_reader import Names, Reader
 from codegen.drawing import shapes
 from codegen.errors import ModelError
-from codegen.model.base import TRACKED, Declarations, Place, declares
+from codegen.model.base import TRACKED, Place, declares
+from codegen.model.bodies import FORMS, MovingBodies
 from codegen.model.connections import Connections
-from codegen.model.fidelities import Fidelities
 from codegen.readers.values import KindError, entries, name_problem, nearest, shown
+
+NONE = "none"  # the fidelity of an effect that a scene does without
+
 
 ALL = ("reactions", "energy", "powers")  # outputs of a scene that names none
 GROUPS = (*ALL, "points", "works", *(f"{quantity}s" for quantity in QUANTITIES))
@@ -42,12 +47,12 @@ class TrackedPoint(Effect):
     name: str
     point: Point
 
-    def reported(self, bodies: tuple[Body, ...]) -> Reported:
+    def reported(self, bodies: Bodies) -> Reported:
         """Its global coordinates, m, and their rates, m/s."""
         at = self.point
         return ("x", "m", at.x), ("y", "m", at.y), ("vx", "m/s", at.vx), ("vy", "m/s", at.vy)
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """The point, with its path."""
         return (shapes.Trace(self.point),)
 
@@ -58,8 +63,135 @@ class TrackedPoint(Effect):
         return []
 
 
-class Outputs(Declarations):
-    """Reads the outputs that a scene asks for."""
+DEFAULTS = {"frozen": False, "analysis": "dynamics", "outputs": None}
+"""Keywords of a scene that an extension inherits unless it names them."""
+
+
+class SceneRequests(MovingBodies, Connections):
+    """What a modeller writes of a scene, read into its request, and what follows from it."""
+
+    def alternatives(
+        self, name: str, choices: Mapping[str, Iterable[Any]], default: str | None = None
+    ) -> str:
+        """Elements that stand for one another, of which a scene takes one choice; returns `name`.
+
+        A cam's follower that is held to the cam or may leave it, a spring of six masses or of
+        fifty: each choice names the bodies, joints, effects and drivers that only it has. In a
+        scene with ``fidelity={name: choice}`` its effects and drivers act, and nothing of the other
+        choices takes part. A scene that says nothing has the default's bodies and joints.
+
+        Parameters
+        ----------
+        choices
+            Choice, a word → elements, by name or by the objects that their declarations returned.
+        default
+            The first choice unless given.
+        """
+        where = f"alternatives '{name}'"
+        known = self.elements
+        read: dict[str, tuple[str, ...]] = {}
+        like = "{'held': ['joint'], 'free': ['contact']}"
+        for choice, elements in self._read.mapping(choices, "choices", like, where).items():
+            if not isinstance(choice, str):
+                self._note(f"{where}: choice {shown(choice)} is no word.")
+            word = str(choice)
+            names = self._read.names(elements, "elements", f"{where}, {word}", known)
+            for missing in (n for n in names if n not in known):
+                self._note(f"{where}, {word}: there is no '{missing}'; {nearest(missing, known)}")
+            read[word] = tuple(n for n in names if n in known)
+        if len(read) < 2:
+            self._note(f"{where}: {len(read)} choice is no choice; give at least two.")
+        if default is not None and str(default) not in read:
+            self._note(f"{where}: no choice {shown(default)}; {nearest(str(default), read)}")
+            default = None
+        if self._claim("group of alternatives", name) and read:
+            chosen = default or next(iter(read))
+            self.groups[name] = {chosen: read[chosen]} | read
+        return name
+
+    def acting(self, scene: Scene) -> dict[str, Effect]:
+        """Name → the effects of a scene, in the fidelity that it asks for, and rates of states."""
+        how = dict(scene.fidelity)
+        effects = {name: self._form(name, how) for name in scene.effects}
+        return effects | {name: self.states[name].effect for name in scene.states}
+
+    def _form(self, name: str, how: Mapping[str, str]) -> Effect:
+        """An effect in the fidelity that it is taken in."""
+        form = self.fidelities.get(name, {}).get(how.get(name, ""))
+        return self.effects[name] if form is None or isinstance(form, str) else form
+
+    def _read_fidelities(
+        self, read: Reader, where: str, fidelity: Any, couplers: Any
+    ) -> tuple[tuple[str, str], ...]:
+        """The fidelities that a scene names; impossible ones are noted as problems."""
+        fidelities: dict[str, str] = {}
+        for key, form in read.mapping(couplers, "couplers", "{'rod': 'link'}", where).items():
+            name = name_of(key)
+            if name in self.couplers:
+                fidelities[name] = read.choice(form, FORMS, f"{where}, coupler '{name}'")
+            else:
+                read.note(f"{where}: there is no coupler '{name}'; {nearest(name, self.couplers)}")
+        for key, word in read.mapping(fidelity, "fidelity", "{'rub': 'sticking'}", where).items():
+            name = name_of(key)
+            if problem := self._fidelity_problem(name, word, fidelities.get(name, word)):
+                read.note(f"{where}: {problem}")
+            else:
+                fidelities[name] = word
+        return tuple(fidelities.items())
+
+    def _fidelity_problem(self, name: str, word: Any, named: Any) -> str | None:
+        """Why an element cannot be taken as `word`; `named`: its form among the couplers."""
+        if not isinstance(word, str):
+            return (
+                f"'{name}' with the fidelity {shown(word)}; a scene takes one at a time: "
+                "give one word, or declare a scene for each."
+            )
+        if named != word:
+            return f"'{name}' is asked for as '{named}' and as '{word}'; give one fidelity."
+        if name in self.couplers:
+            choices: Mapping[str, Any] = dict.fromkeys(FORMS)
+        elif name in self.groups:
+            choices = self.groups[name]
+        elif name in self.effects:
+            choices = self.fidelities.get(name, {}) | {NONE: ()}
+            if len(choices) == 1 and word != NONE:
+                return (
+                    f"{self.effects[name].kind} '{name}' has one fidelity only, so it cannot be "
+                    f"taken as '{word}'; leave fidelity= out."
+                )
+        else:
+            hint = nearest(name, self.fidelities | self.groups | dict.fromkeys(self.couplers))
+            return f"nothing called '{name}' has fidelities; {hint}"
+        if word not in choices:
+            return f"'{name}' cannot be taken as '{word}'; {nearest(word, choices)}"
+        lacking = choices[word]
+        return f"'{name}' as '{word}' {lacking}" if isinstance(lacking, str) else None
+
+    def choice(self, group: str, how: Mapping[str, str], effects: Iterable[str]) -> str:
+        """The alternative of a scene, by its fidelities `how` or by the effects that it names."""
+        choices = self.groups[group]
+        named = [word for word, names in choices.items() if {*effects}.intersection(names)]
+        return how.get(group) or (named[0] if len(named) == 1 else next(iter(choices)))
+
+    def _group_members(
+        self, read: Reader, where: str, how: dict[str, str], effects: tuple[str, ...]
+    ) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Elements that the choices of groups bring, and those that they leave out."""
+        included: list[str] = []
+        excluded: list[str] = []
+        for group, choices in self.groups.items():
+            choice = self.choice(group, how, effects)
+            members = choices[choice]
+            others = [n for names in choices.values() for n in names if n not in members]
+            if clash := [n for n in others if n in effects]:
+                read.note(
+                    f"{where}: '{clash[0]}' acts only in another choice of '{group}' than "
+                    f"'{choice}', which the scene takes; give fidelity={{'{group}': ...}} and "
+                    "leave the other's effects out."
+                )
+            included += members if group in how else ()
+            excluded += others
+        return tuple(included), tuple(excluded)
 
     @declares(TrackedPoint)
     def track(self, name: str, point: Place) -> TrackedPoint:
@@ -72,13 +204,9 @@ class Outputs(Declarations):
         """
 
     @property
-    def points(self) -> frozenset[str]:
+    def points(self) -> tuple[str, ...]:
         """Names of the tracked points."""
-        return frozenset(self._tracked())
-
-    def _tracked(self) -> list[str]:
-        """Names of the tracked points."""
-        return [name for name, effect in self.effects.items() if effect.kind == TRACKED]
+        return tuple(name for name, effect in self.effects.items() if effect.kind == TRACKED)
 
     def _output_points(
         self, outputs: tuple[str, ...] | None, bodies: Iterable[str]
@@ -87,7 +215,7 @@ class Outputs(Declarations):
         words, present = outputs or (), set(bodies)
         return tuple(
             name
-            for name in self._tracked()
+            for name in self.points
             if "points" in words or f"point({name})" in words
             if {body.name for body in self.effects[name].bodies} <= present
         )
@@ -122,7 +250,7 @@ class Outputs(Declarations):
         if word in GROUPS:
             return None
         match = ONE.match(word)
-        points = self._tracked()
+        points = self.points
         acting = [n for n in (*self.joints, *self.drivers, *self.effects) if n not in points]
         if match is None:
             words = [f"{group}({n})" for group in ("reaction", "power", "work") for n in acting]
@@ -137,24 +265,14 @@ class Outputs(Declarations):
             return f"no output '{word}', as there is no '{name}'; {nearest(name, acting)}"
         return None
 
-
-DEFAULTS = {"frozen": False, "analysis": "dynamics", "outputs": None}
-"""Keywords of a scene that an extension inherits unless it names them."""
-
-
-class SceneRequests(Outputs, Fidelities, Connections):
-    """What a modeller writes of a scene, read into its request, and what follows from it."""
-
     def _rubbing_in(
         self, effects: Iterable[str], joints: set[str], how: Mapping[str, str]
     ) -> set[str]:
         """The frictions among effects, as a scene takes them, that rub in these joints."""
         found = set()
         for name in ({*effects} & {*self.effects}) if joints else ():
-            form = self.fidelities.get(name, {}).get(how.get(name, ""))
-            effect = self.effects[name] if form is None or isinstance(form, str) else form
             with suppress(ModelError):  # reported by `build`
-                law = friction_law(effect)
+                law = friction_law(self._form(name, how))
                 found |= {name} if law and law.joint in joints else set()
         return found
 
@@ -177,27 +295,20 @@ class SceneRequests(Outputs, Fidelities, Connections):
             found |= pending
         return tuple(name for name in self.states if name in found - {*scene.request.without})
 
-    def _with_names_of_states(self, effects: Names) -> Any:
-        """The list of effects, a state by its name instead of its symbol."""
-        symbols = {s.symbol: name for name, s in self.states.items()}
-        if not symbols or not isinstance(effects, tuple | list):
-            return effects
-        return [symbols.get(e, e) if isinstance(e, Velocity) else e for e in effects]
-
     def _read_request(
         self, read: Reader, where: str, effects: Names, drivers: Names, **words: Any
     ) -> tuple[Request, frozenset[str]]:
         """The request of a scene, and its explicit keywords among those with a default."""
-        units, roles, named = self._units(), self._roles(), self._with_names_of_states(effects)
+        roles, quantities = self._roles(), (self.unit_of, self._quantities)
         explicit = {key: words[key] for key in DEFAULTS if words[key] is not None}
         chosen = DEFAULTS | explicit
         request = Request(
-            effects=read.elements(named, {**self.effects, **self.states}, "effect", where, roles),
+            effects=read.elements(effects, {**self.effects, **self.states}, "effect", where, roles),
             drivers=read.elements(drivers, self.drivers, "driver", where, roles),
             without=read.elements(words["without"], self.elements, "body or joint", where),
             fidelity=self._read_fidelities(read, where, words["fidelity"], words["couplers"]),
-            start=read.states(words["start"], units, "start", where),
-            guess=read.states(words["guess"], units, "guess", where),
+            start=read.states(words["start"], *quantities, "start", where),
+            guess=read.states(words["guess"], *quantities, "guess", where),
             parameters=read.overrides(words["parameters"], self.parameters, where),
             frozen=read.flag(chosen["frozen"], f"{where}: frozen"),
             analysis=read.choice(chosen["analysis"], ANALYSES, f"{where}, analysis"),

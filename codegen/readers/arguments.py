@@ -116,24 +116,54 @@ def text(demand: str) -> Reader:
     return read
 
 
-def word(*words: str) -> Reader:
-    """One of a few words."""
+def word(*words: str | int) -> Reader:
+    """One of a few words, or of a few whole numbers."""
 
-    def read(value: Any) -> str:
-        if not isinstance(value, str) or value not in words:
+    def read(value: Any) -> Any:
+        if not isinstance(value, str | int) or value not in words:
             raise KindError(f"it must be one of {', '.join(map(repr, words))}.")
-        return str(value)
+        return words[words.index(value)]
 
     return read
 
 
-def several(reader: Reader, demand: str) -> Reader:
+def several(reader: Reader, demand: str, least: int = 0) -> Reader:
     """A list, tuple, dictionary's keys or one-dimensional array of what `reader` reads, a tuple."""
 
     def read(value: Any) -> tuple[Any, ...]:
         listed = isinstance(value, list | tuple | KeysView) or getattr(value, "ndim", 0) == 1
+        if not listed or len(value) < least:
+            raise KindError(f"it must be {demand}.")
         try:
-            return tuple(map(reader, value if listed else (None,)))
+            return tuple(map(reader, value))
+        except KindError as misfit:
+            raise KindError(f"it must be {demand}.") from misfit
+
+    return read
+
+
+def row(demand: str, *readers: Reader) -> Reader:
+    """A list or tuple with one entry for each of the readers, as a tuple."""
+
+    def read(value: Any) -> tuple[Any, ...]:
+        if not isinstance(value, list | tuple) or len(value) != len(readers):
+            raise KindError(f"it must be {demand}.")
+        try:
+            return tuple(entry(part) for entry, part in zip(readers, value, strict=True))
+        except KindError as misfit:
+            raise KindError(f"it must be {demand}.") from misfit
+
+    return read
+
+
+def mapping(demand: str, key: Reader, entry: Reader) -> Reader:
+    """A mapping whose keys and values are read, as a dictionary."""
+
+    def read(value: Any) -> dict[Any, Any]:
+        if not isinstance(value, Mapping):
+            raise KindError(f"it must be {demand}.")
+        try:
+            return {key(k): entry(v) for k, v in value.items()}
         except KindError as misfit:
             raise KindError(f"it must be {demand}.") from misfit
 
@@ -171,15 +201,8 @@ def _name(key: Any) -> str:
 
 def functions(example: str) -> Reader:
     """A mapping from names to functions, as a dictionary."""
-
-    def read(value: Any) -> dict[str, Callable[..., Any]]:
-        if not isinstance(value, Mapping) or not all(
-            isinstance(name, str) and callable(f) for name, f in value.items()
-        ):
-            raise KindError(f"it must be a mapping from names to functions, such as {example}.")
-        return dict(value)
-
-    return read
+    demand = f"a mapping from names to functions, such as {example}"
+    return mapping(demand, text("a name"), function)
 
 
 def path(value: Any) -> Path:
@@ -205,6 +228,17 @@ def instance(room: str, name: str, demand: str) -> Reader:
     def read(value: Any) -> Any:
         bases = ((base.__module__, base.__name__) for base in type(value).__mro__)
         if not any(base == name and module.startswith(room) for module, base in bases):
+            raise KindError(f"it must be {demand}.")
+        return value
+
+    return read
+
+
+def one_of(demand: str, *classes: type[Any]) -> Reader:
+    """An object of one of the classes."""
+
+    def read(value: Any) -> Any:
+        if not isinstance(value, classes):
             raise KindError(f"it must be {demand}.")
         return value
 

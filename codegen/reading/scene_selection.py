@@ -15,7 +15,7 @@ from codegen.errors import ModelError, ParameterError, SceneError
 from codegen.model import Model
 from codegen.model.base import TRACKED
 from codegen.model.bodies import FORMS
-from codegen.model.fidelities import NONE
+from codegen.model.scene_requests import NONE
 from codegen.readers.values import finite_float, nearest, one_line, shown
 from codegen.reading.model_file import read_model
 

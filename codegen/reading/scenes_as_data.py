@@ -36,16 +36,15 @@ def scene_of_data(model: str | Path, data: Mapping[str, Any]) -> tuple[Model, Sc
             problems.append(f"{where}: it extends itself; give it another name.")
         others = {key: scene for key, scene in declared.scenes.items() if key != name}
         declared = declared.altered(scenes=others)
-    units = declared._units()
     of_parameters = {key: row.unit for key, row in declared.parameters.items()}
     for word in _VALUES:
-        known = of_parameters if word == "parameters" else units
+        unit_of = of_parameters.get if word == "parameters" else declared.unit_of
         values = words.get(word, {})
         words[word] = {
-            key: _number(value, known.get(key, ""), f"{where}, {word}, {key}", problems)
+            key: _number(value, unit_of(key) or "", f"{where}, {word}, {key}", problems)
             for key, value in values.items()
         }
-    words["until"] = _conditions(declared, words.get("until", {}), units, where, problems)
+    words["until"] = _conditions(declared, words.get("until", {}), where, problems)
     if problems:
         raise SceneError(problems)
     declared.scene(name, **words)
@@ -63,14 +62,13 @@ def _number(value: Any, unit: str, where: str, problems: list[str]) -> Any:
 
 
 def _conditions(
-    model: Model, texts: Mapping[str, str], units: Mapping[str, str], where: str,
-    problems: list[str],
+    model: Model, texts: Mapping[str, str], where: str, problems: list[str]
 ) -> dict[str, Any]:  # fmt: skip
     """The conditions of a scene as expressions of its coordinates, velocities, states and time."""
     symbols: dict[str, Any] = {dotted(q): q for q in model._coordinates()}
     symbols |= {dotted(q.rate): q.rate for q in model._coordinates()}
     symbols |= {dotted(state.symbol): state.symbol for state in model.states.values()}
-    symbols["t"], units = t, {**units, "t": "s"}
+    symbols["t"] = t
     found = {}
     for name, text in texts.items():
         place = f"{where}, until, {name}"
@@ -80,7 +78,8 @@ def _conditions(
                 hint = nearest(condition.series, symbols)
                 problems.append(f"{place}: '{condition.series}' is no position or velocity; {hint}")
                 continue
-            value = condition.number(units.get(condition.series, ""))
+            unit = "s" if condition.series == "t" else model.unit_of(condition.series)
+            value = condition.number(unit or "")
         except UnitError as error:
             problems.append(f"{place}: {error}")
             continue

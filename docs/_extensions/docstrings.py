@@ -1,6 +1,12 @@
-"""What the docstrings of this project need before napoleon reads them as numpydoc."""
+"""What the docstrings of this project need before napoleon reads them as numpydoc.
+
+``.. methods:: CLASS`` on a page lists the public methods of a class from which `Model` derives, as
+methods of `Model`: a new one is on the page without a line of its own.
+"""
 
 import re
+from inspect import isfunction
+from pydoc import locate
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -38,7 +44,22 @@ def read(_: "Sphinx", what: str, name: str, item: Any, options: Any, lines: list
     lines[:] = [line.replace("|c'|", "``|c'|``") for line in attributes_as_definitions(lines)]
 
 
+METHODS = re.compile(r"^\.\. methods:: (\S+)$", re.MULTILINE)
+
+
+def list_methods(_: "Sphinx", page: str, source: list[str]) -> None:
+    """Write out the lists of methods on a page, in place."""
+
+    def methods(match: re.Match[str]) -> str:
+        found = ((name, f) for name, f in vars(locate(match[1])).items() if isfunction(f))
+        public = (name for name, _ in found if not name.startswith("_"))
+        return "\n\n".join(f".. automethod:: Model.{name}" for name in public)
+
+    source[0] = METHODS.sub(methods, source[0])
+
+
 def setup(app: "Sphinx") -> dict[str, bool]:
-    """Read docstrings before napoleon does."""
+    """Read docstrings before napoleon does, and pages before their parser."""
+    app.connect("source-read", list_methods)
     app.connect("autodoc-process-docstring", read, priority=400)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

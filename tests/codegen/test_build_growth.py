@@ -11,11 +11,11 @@ import pytest
 
 import codegen
 from benchmarks.chain import SCENE, chain
-from codegen.declare.returned_kinds import memoize_methods
+from codegen.declare.returned_values import memoize_methods
 from codegen.derive.equations import derive
 from codegen.driver import translate
-from codegen.emit.kernel_docstrings import Arguments
-from codegen.emit.unrolling import KernelTexts, kernel_texts
+from codegen.emit.kernel import Arguments
+from codegen.emit.module import KernelTexts, kernel_texts
 from codegen.generated_files.generated_file import Clock
 from codegen.generated_files.provenance import fingerprint
 from codegen.model import Model

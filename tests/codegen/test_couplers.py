@@ -1,13 +1,12 @@
 """Particles, and a coupler as a body, as a massless link, and with its mass at the pins."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from codegen import Model, ModelError
+from codegen import Model
 from codegen.reading.scene_selection import valid_scenes
 from runtime import Result, load
 from tests.codegen.workbench import Interpreted
@@ -102,49 +101,6 @@ def test_particle_falls_and_hangs(tmp_path: Path) -> None:
     found = machine.simulate(2.0, rtol=1e-11, atol=1e-11)
     total = found.data["energy"].sel(part="total")
     assert_allclose(total, float(total[0]), rtol=1e-9)
-
-
-Declare = Callable[[Model], object]
-
-
-@pytest.mark.parametrize(
-    ("declare", "told"),
-    [
-        (lambda m: m.translational("g", m.ground, m.particle("p", 1.0)), "holds an angle of 'p'"),
-        (lambda m: m.weld("w", m.body("b", 1.0, 1.0), m.particle("p", 1.0)), "an angle of 'p'"),
-        (lambda m: m.revolute("r", m.ground.at(0, 0), m.particle("p", 1.0).at(1, 0)),
-         "'p' is (1, 0) m off it, and a particle has no extent"),
-        (lambda m: m.particle("p", -1.0), "mass of body 'p' is -1 kg; it must be positive"),
-        (lambda m: m.particle("p"), "body 'p' has no mass; give it in model.particle('p', mass="),
-        (lambda m: m.torque("t", m.particle("p", 1.0), 2.0),
-         "torque 't' turns 'p', which is a particle; use a body"),
-        (lambda m: (m.particle("p", 1.0), m.scene("s", couplers={"p": "link"})),
-         "there is no coupler 'p'"),
-        (lambda m: m.coupler("c", m.ground.at(0, 0), m.body("b", 1.0, 1.0), -1.0, 1.0, 1.0),
-         "the length is -1 m"),
-        (lambda m: (m.coupler("c", m.ground.at(0, 0), m.body("b", 1.0, 1.0), 1.0, 1.0, 1.0),
-                    m.scene("s", couplers={"c": "heavy"})), "'heavy' is none of 'body', 'link'"),
-        (lambda m: m.torsion_spring("t", m.body("b", 1.0, 1.0), m.particle("p", 1.0), 1.0, 0.0),
-         "torsion spring 't' turns 'p', which is a particle"),
-        (lambda m: m.bushing("t", m.body("b", 1.0, 1.0).at(0, 0), m.particle("p", 1.0).at(0, 0),
-                             (1, 1, 1)), "bushing 't' turns 'p'"),
-        (lambda m: m.friction("f", m.revolute("r", m.body("b", 1.0, 1.0).at(0, 0),
-                                              m.particle("p", 1.0).at(0, 0)), 0.1, 1, radius=1),
-         "friction 'f' turns 'p'"),
-        (lambda m: m.point_driver("d", m.particle("p", 1.0), "phi", 1), "holds an angle of 'p'"),
-        (lambda m: (m.coupler("c", m.body("a", 1.0, 1.0).at(0, 0), m.body("b", 1.0, 1.0), 1, 1, 1),
-                    m.revolute("on", m.bodies["c"].at(0, 0), m.body("d", 1.0, 1.0).at(0, 0)),
-                    m.scene("s", couplers={"c": "link"})),
-         "joint 'on' holds 'c', which is no body as 'link'"),
-        (lambda m: (m.body("a", 1.0, 1.0), m.scene("s", couplers=["c"])), "is no mapping"),
-    ],
-)  # fmt: skip
-def test_what_is_wrong_is_said(declare: Declare, told: str) -> None:
-    model = Model("bad")
-    declare(model)
-    with pytest.raises(ModelError) as caught:
-        valid_scenes(model, None)
-    assert told in str(caught.value)
 
 
 def test_forces_act_on_particles() -> None:

@@ -1,16 +1,15 @@
 """Counts of the work of declaring and checking a machine grow no faster than the machine."""
 
 from collections import Counter
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
 import sympy
 
 from codegen.check import elements, potential_steps
-from codegen.declare.returned_kinds import memoize_methods
+from codegen.declare.returned_values import memoize_methods
 from codegen.declare.symbols import Coordinate, ModelSymbol
-from codegen.elements.joints.links import Revolute
+from codegen.elements.joints.points import Revolute
 from codegen.reading.scene_selection import valid_scenes
 from models.hard.n_four_bar import n_four_bar
 
@@ -43,13 +42,13 @@ def test_a_joint_states_its_equations_once(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_equations_that_joints_share_are_checked_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """The sums that are looked through do not grow with the number of revolute joints."""
-    seen, find = [0], elements._find_flaws
+    seen, find = [0], elements.distinct_nodes
 
-    def counted(expression: sympy.Basic, may_switch: bool) -> Iterator[str]:
+    def counted(expression: sympy.Basic) -> list[sympy.Basic]:
         seen[0] += expression.is_Add
-        return find(expression, may_switch)
+        return find(expression)
 
-    monkeypatch.setattr(elements, "_find_flaws", counted)
+    monkeypatch.setattr(elements, "distinct_nodes", counted)
     counts = []
     for loops in (5, 10):
         elements._flaws.cache_clear()

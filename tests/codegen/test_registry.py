@@ -62,7 +62,7 @@ def test_every_declaring_method_is_on_a_page() -> None:
 def test_every_kind_with_problems_has_bad_input(root: Path) -> None:
     """A row of the table of wrong declarations, or a test of its own, names it as `label` does."""
     folder = root / "tests" / "codegen"
-    files = (folder / "wrong_declarations.txt", *folder.rglob("test_*.py"))
+    files = (folder / "mistakes.txt", *folder.rglob("test_*.py"))
     rows = "\n".join(path.read_text(encoding="utf-8") for path in files)
     for name, kind in LIBRARY.items():
         if kind.element.problems not in (Constraint.problems, Effect.problems):

@@ -9,7 +9,7 @@ import pytest
 import sympy
 from sympy import Abs
 
-from codegen import Effect, Model, build
+from codegen import Model, build
 from codegen.errors import ModelError
 from codegen.files.library_folders import installed_folders
 from codegen.reading import model_file
@@ -114,18 +114,6 @@ def test_numbers_beyond_all_bounds_are_refused_by_name() -> None:
     model.force("huge", on=body, fx=1e200 * sympy.exp(600) * body.x)
     with pytest.raises(ModelError, match="'huge' comes to inf"):
         scene_of(model)
-
-
-def test_effect_that_exerts_nothing_is_a_problem() -> None:
-    class Idle(Effect):
-        kind = "idle"
-
-        def __init__(self, name: str) -> None:
-            self.name = name
-
-    model = Model("m")
-    model.add(Idle("drag"))  # type: ignore[abstract]
-    assert model.problems[0].startswith("idle 'drag' has none of potential, forces, pulls")
 
 
 def test_all_local_files_are_sources(tmp_path: Path) -> None:

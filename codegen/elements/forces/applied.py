@@ -4,8 +4,8 @@ from typing import Literal
 
 import sympy
 
-from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, Measure, Pulls, label
+from codegen.declare.body import Bodies, Body, Loads, Point
+from codegen.declare.element import Effect, Measure, Measures, Pulls, label
 from codegen.declare.element_fields import quantity
 from codegen.declare.symbols import Coordinate, Velocity, kinds
 from codegen.drawing import shapes
@@ -27,17 +27,17 @@ class Gravity(Effect):
     name: str
     g: tuple[sympy.Expr, sympy.Expr] = quantity(("m/s^2", "m/s^2"))
 
-    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
+    def potential(self, bodies: Bodies) -> sympy.Expr | None:
         """Potential energy of the bodies, zero at the global origin."""
         axes = [(k, g) for k, g in enumerate(self.g) if g != 0]
         centres = ((b.mass, tuple(b.mass_centre)) for b in bodies if b.mass is not None)
         return sympy.Add(*(-m * sympy.Add(*(g * r[k] for k, g in axes)) for m, r in centres))
 
-    def weights(self, bodies: tuple[Body, ...]) -> tuple[tuple[str, sympy.Expr, sympy.Expr], ...]:
+    def weights(self, bodies: Bodies) -> tuple[tuple[str, sympy.Expr, sympy.Expr], ...]:
         """(body, mass, acceleration) of the products m g in the potential."""
         return tuple((b.name, b.mass, g) for b in bodies if b.mass is not None for g in self.g)
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """Its direction."""
         return (shapes.Gravity(*self.g),)
 
@@ -50,9 +50,9 @@ class Potential(Effect):
     example = 'model.potential("pendulum", 20 * (1 - cos(i.phi)))'
     name: str
     energy: sympy.Expr = quantity("J")
-    on: tuple[Body, ...]
+    on: Bodies
 
-    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
+    def potential(self, bodies: Bodies) -> sympy.Expr | None:
         """V itself."""
         return self.energy
 
@@ -73,9 +73,9 @@ class GeneralizedForce(Effect):
     example = 'model.generalized_force("friction", {j.phi: -0.1 * (j.omega - i.omega)})'
     name: str
     components: tuple[tuple[Coordinate, sympy.Expr], ...]
-    on: tuple[Body, ...]
+    on: Bodies
 
-    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
+    def forces(self, bodies: Bodies) -> Loads:
         """Coordinate → force."""
         return dict(self.components)
 
@@ -97,7 +97,7 @@ class AppliedForce(Effect):
     frame: Literal["ground", "body"] = "ground"
     from_: Body | None = None
 
-    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
+    def forces(self, bodies: Bodies) -> Loads:
         """The generalized forces on x, y and φ."""
         body, fx, fy = self.point.body, self.fx, self.fy
         (x, y), (c, s) = body.position, body.rotation
@@ -110,7 +110,7 @@ class AppliedForce(Effect):
         on |= {} if torque == 0 or body.fixed else body.torque(torque)
         return on | self._reaction(fx, fy)
 
-    def _reaction(self, fx: sympy.Expr, fy: sympy.Expr) -> dict[Coordinate, sympy.Expr]:
+    def _reaction(self, fx: sympy.Expr, fy: sympy.Expr) -> Loads:
         """-F on the body that exerts the force, at the place of the point."""
         other = self.from_
         if other is None or other.fixed:
@@ -119,7 +119,7 @@ class AppliedForce(Effect):
         torque = (self.point.y - y) * fx - (self.point.x - x) * fy
         return {other.x: -fx, other.y: -fy, **other.torque(torque)}
 
-    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+    def measures(self, bodies: Bodies) -> Measures:
         """F, in the axes in which it is given."""
         return Measure("force", "fx", "N", self.fx), Measure("force", "fy", "N", self.fy)
 
@@ -133,7 +133,7 @@ class AppliedForce(Effect):
             )
         return problems
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """An arrow, and the opposite one on the body that exerts the force."""
         fx, fy = self.fx, self.fy
         if self.frame == "body":
@@ -162,14 +162,14 @@ class AppliedTorque(Effect):
     value: sympy.Expr = quantity("N m", gated=True)
     from_: Body | None = None
 
-    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
+    def forces(self, bodies: Bodies) -> Loads:
         """Q_φ of both bodies, or the generalized forces that do the same work."""
         on = {} if self.body.fixed else self.body.torque(self.value)
         if self.from_ is None or self.from_.fixed:
             return on
         return on | self.from_.torque(-self.value)
 
-    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+    def measures(self, bodies: Bodies) -> Measures:
         """The torque."""
         return (Measure("torque", "", "N m", self.value),)
 
@@ -183,7 +183,7 @@ class AppliedTorque(Effect):
             if not body.fixed and not body.turns
         ]
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """A round arrow, and the opposite one on the body that exerts the torque."""
         torque = shapes.Torque(self.body, self.value)
         if self.from_ is None or self.from_.fixed:
@@ -209,7 +209,7 @@ class LineForce(SpanMeasures, Effect):
     j: Point
     value: sympy.Expr = quantity("N", gated=True, function_of=distance_and_rate)
 
-    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
+    def pulls(self, bodies: Bodies) -> Pulls:
         """f along ℓ."""
         return ((self.length, self.value),)
 
@@ -220,7 +220,7 @@ class LineForce(SpanMeasures, Effect):
             problems.append(f"{label(self)} is 0 throughout; give a force in N.")
         return problems
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """An actuator."""
         return (shapes.Spring(self.i, self.j, elastic=False, actuator=True),)
 

@@ -4,11 +4,10 @@ from typing import Any
 
 import sympy
 
-from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, Measure, Pulls, label
-from codegen.declare.element_conditions import Condition
-from codegen.declare.element_fields import quantity
-from codegen.declare.symbols import SPEED, Coordinate, rate
+from codegen.declare.body import Bodies, Loads, Point
+from codegen.declare.element import Effect, Measure, Measures, Pulls, label
+from codegen.declare.element_fields import Condition, Conditions, quantity
+from codegen.declare.symbols import SPEED, rate
 from codegen.drawing import shapes
 from codegen.elements.registry import element
 from codegen.elements.scalar_measures import distance, same_body, span
@@ -68,18 +67,18 @@ class ClearanceJoint(Effect):
         dx, dy = span(self.i, self.j)
         return (dx**2 + dy**2 - self.clearance**2) / 2
 
-    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
+    def pulls(self, bodies: Bodies) -> Pulls:
         """The normal force: f along e is f/e along the excess, and ṡ = e ė."""
         return ((self.excess, self._touching(self._normal(SPEED) / self.eccentricity)),)
 
-    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
+    def forces(self, bodies: Bodies) -> Loads:
         """The friction, at one place of both surfaces."""
         if not self._rubs:
             return {}
         (dx, dy), e = span(self.i, self.j), self.eccentricity
         wall = e + self.radius  # from the bearing's centre to the contact
         drag = self._drag()
-        found: dict[Coordinate, sympy.Expr] = {}
+        found: Loads = {}
         for point, sign, arm in ((self.i, -1, wall), (self.j, 1, self.radius)):
             body = point.body
             if body.fixed:
@@ -90,7 +89,7 @@ class ClearanceJoint(Effect):
             found |= {body.x: fx, body.y: fy, **body.torque(turn)}
         return {q: self._touching(force) for q, force in found.items()}
 
-    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+    def measures(self, bodies: Bodies) -> Measures:
         """e, the gap c - e, the depth, the normal force, and the friction on the journal.
 
         The friction is positive where it drives the contact counter-clockwise about the bearing.
@@ -121,7 +120,7 @@ class ClearanceJoint(Effect):
         ]
         return problems
 
-    def conditions(self) -> tuple[Condition, ...]:
+    def conditions(self) -> Conditions:
         """An exponent of a contact."""
         text = "the exponent is {:g}; give one of at least 1, 1.5 for Hertz' law."
         return (Condition(text, (self.exponent,), low=1.0),)
@@ -152,6 +151,6 @@ class ClearanceJoint(Effect):
     def _touching(self, value: sympy.Expr) -> sympy.Expr:
         return sympy.Piecewise((value, 2 * self.excess > 0), (0, True))
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """A journal in a hole."""
         return (shapes.Bearing(self.i, self.j, self.clearance),)

@@ -2,12 +2,12 @@
 
 import sympy
 
-from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, Measure, Pulls, Reported, Rigid, label
-from codegen.declare.element_conditions import Condition, hold_conditions
-from codegen.declare.element_fields import quantity
+from codegen.declare.body import Bodies, Point
+from codegen.declare.element import Effect, Measure, Measures, Pulls, Reported, Rigid, label
+from codegen.declare.element_fields import Condition, Conditions, hold_conditions, quantity
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds, side
 from codegen.drawing import shapes
+from codegen.elements.forces.springs import Along, Springs
 from codegen.elements.registry import element
 from codegen.elements.scalar_measures import (
     WORDS,
@@ -39,7 +39,7 @@ def gap_between(
     return gap - (ux * i.sx + uy * i.sy + free_length)
 
 
-def gap_problems(where: str, gap: sympy.Expr, bodies: tuple[Body, ...]) -> list[str]:
+def gap_problems(where: str, gap: sympy.Expr, bodies: Bodies) -> list[str]:
     """A gap that never changes or that is no position."""
     if problems := same_body(where, bodies):
         return problems
@@ -58,7 +58,7 @@ SIDES = "first", "second"
 """Components of what has two gaps, in their order."""
 
 
-class GapSprings(Effect):
+class GapSprings(Springs):
     """A spring and a damper along each of some gaps g, while g < 0: f = k g + c ġ (Haug 8.4.2).
 
     The switching is located: g = 0 is an event of a run, and between events every step is smooth.
@@ -79,46 +79,36 @@ class GapSprings(Effect):
         """Their unit: "m", "rad", or none where it is not known."""
         return "m"
 
-    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
-        """V of the springs."""
-        if not self._conservative or self.stiffness == 0:
-            return None
-        return sympy.Add(*(_closed(self.stiffness * g**2 / 2, g) for g in self.gaps))
-
-    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
-        """The damper along each gap, and a spring that varies."""
-        return tuple((g, _closed(f, g)) for g in self.gaps if (f := self._pull(g)) != 0)
-
-    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
-        """Each gap, its rate, the penetration, and the force, positive where it pushes."""
-        found: tuple[Measure, ...] = ()
-        for which, gap in zip(SIDES if len(self.gaps) > 1 else ("",), self.gaps, strict=True):
-            force = -_closed(sympy.Add(*self._push_and_drag(gap)), gap)
-            rows = along_scalar(gap, self.gap_unit, force, named="gap")
-            rows += (Measure("penetration", "", self.gap_unit, _closed(-gap, gap)),)
-            found += tuple(row._replace(component=which) for row in rows)
-        return found
-
-    def _pull(self, gap: sympy.Expr) -> sympy.Expr:
-        push, drag = self._push_and_drag(gap)
-        return drag if self._conservative else push + drag
-
-    def _push_and_drag(self, gap: sympy.Expr) -> tuple[sympy.Expr, sympy.Expr]:
-        push = self.stiffness * gap
-        drag = self.damping * SPEED
-        if not self.may_pull and drag != 0:
-            # Where the damper would pull it takes back what the spring pushes, and no more.
-            drag = sympy.Piecewise((drag, push + drag < 0), (-push, True))
-        return push, drag
-
     @property
-    def _conservative(self) -> bool:
-        # A potential may depend on the coordinates of the gap, not on the time.
+    def conservative(self) -> bool:
+        """Whether the springs are constant, and the gaps no functions of the time."""
         return is_constant(self.stiffness) and not any(kinds(g, Time) for g in self.gaps)
 
+    @property
+    def along(self) -> list[Along]:
+        """The gaps; where a damper must not pull, it takes back what the spring pushes."""
+        rows: list[Along] = []
+        for gap in self.gaps:
+            push, drag = self.stiffness * gap, self.damping * SPEED
+            if not self.may_pull and drag != 0:
+                drag = sympy.Piecewise((drag, push + drag < 0), (-push, True))
+            rows.append((gap, self.stiffness * gap**2 / 2, push, drag))
+        return rows
 
-def _closed(value: sympy.Expr, gap: sympy.Expr) -> sympy.Expr:
-    return sympy.Piecewise((value, gap < 0), (0, True))
+    def acting(self, value: sympy.Expr, scalar: sympy.Expr) -> sympy.Expr:
+        """The value while the gap is closed."""
+        return sympy.Piecewise((value, scalar < 0), (0, True))
+
+    def measures(self, bodies: Bodies) -> Measures:
+        """Each gap, its rate, the penetration, and the force, positive where it pushes."""
+        found: Measures = ()
+        sides = SIDES if len(self.gaps) > 1 else ("",)
+        for which, (gap, _, push, drag) in zip(sides, self.along, strict=True):
+            force = -self.acting(push + drag, gap)
+            rows = along_scalar(gap, self.gap_unit, force, named="gap")
+            rows += (Measure("penetration", "", self.gap_unit, self.acting(-gap, gap)),)
+            found += tuple(row._replace(component=which) for row in rows)
+        return found
 
 
 @element
@@ -143,7 +133,7 @@ class Contact(GapSprings):
     gap: sympy.Expr
     stiffness: sympy.Expr = quantity("N/m", "nonnegative")
     damping: sympy.Expr = quantity("N s/m", "nonnegative")
-    on: tuple[Body, ...]
+    on: Bodies
     may_pull: bool = True
 
     @property
@@ -160,7 +150,7 @@ class Contact(GapSprings):
             problems.append(f"{label(self)}: stiffness and damping are both 0; give one of them.")
         return problems
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """The bodies that touch, and the gap between them."""
         return (shapes.Contact(self.on, gap=self.gap),)
 
@@ -192,7 +182,7 @@ class Stop(GapSprings):
     damping: sympy.Expr = quantity(
         lambda of: of.unit and f"{force_unit(of)} s/{of.unit}", "nonnegative"
     )
-    on: tuple[Body, ...]
+    on: Bodies
     may_pull = False
 
     @property
@@ -202,19 +192,41 @@ class Stop(GapSprings):
         return below if self.upper is None else (*below, self.upper - self.scalar)
 
     @property
+    def gap_of_both(self) -> sympy.Expr:
+        """A gap that closes at each limit with the slope ±1, smooth in between."""
+        if self.lower is None or self.upper is None:
+            return self.gaps[0] if self.gaps else self.scalar
+        return sympy.Mul(*self.gaps) / (self.upper - self.lower)
+
+    @property
     def gap_unit(self) -> str:
         """That of the coordinate."""
         return self.unit
 
     def problems(self) -> list[str]:
         """No limit at all, or one of what is no position."""
-        return stop_problems(label(self), self.scalar, self.lower, self.upper)
+        where, s, problems = label(self), self.scalar, []
+        if not self.gaps:
+            problems.append(f"{where} has no limit; give lower=, upper= or both.")
+        if not kinds(s, Coordinate):
+            problems.append(
+                f"{where}: {s} depends on no coordinate and never reaches a limit; give a joint, "
+                "or an expression of coordinates."
+            )
+        return problems + [
+            f"{where}: {s} contains the velocity {v.name}; a stop limits a position."
+            for v in kinds(s, Velocity)
+        ]
 
-    def conditions(self) -> tuple[Condition, ...]:
+    def conditions(self) -> Conditions:
         """The upper stop above the lower one."""
-        return limit_conditions(self.lower, self.upper)
+        if self.lower is None or self.upper is None:
+            return ()
+        text = "the upper limit {1:g} is not above the lower one, {2:g}; exchange them."
+        numbers = self.upper - self.lower, self.upper, self.lower
+        return (Condition(text, numbers, open=True),)
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """The bodies that touch at each limit; an angle has no place where it stops."""
         if self.unit != "m":
             return (shapes.Contact(self.on),)
@@ -223,32 +235,6 @@ class Stop(GapSprings):
             shapes.Contact(self.on, gap=gap, force=force, is_stop=True)
             for force, gap in zip(forces, self.gaps, strict=True)
         )
-
-
-def stop_problems(
-    where: str, scalar: sympy.Expr, lower: sympy.Expr | None, upper: sympy.Expr | None
-) -> list[str]:
-    """No limit at all, or a limit of what is no position."""
-    problems = []
-    if lower is None and upper is None:
-        problems.append(f"{where} has no limit; give lower=, upper= or both.")
-    if not kinds(scalar, Coordinate):
-        problems.append(
-            f"{where}: {scalar} depends on no coordinate and never reaches a limit; give a joint, "
-            "or an expression of coordinates."
-        )
-    return problems + [
-        f"{where}: {scalar} contains the velocity {v.name}; a stop limits a position."
-        for v in kinds(scalar, Velocity)
-    ]
-
-
-def limit_conditions(lower: sympy.Expr | None, upper: sympy.Expr | None) -> tuple[Condition, ...]:
-    """An upper limit above the lower one."""
-    if lower is None or upper is None:
-        return ()
-    text = "the upper limit {1:g} is not above the lower one, {2:g}; exchange them."
-    return (Condition(text, (upper - lower, upper, lower), open=True),)
 
 
 # formula: m/s²; with the masses the typical force of a contact, unless one is declared
@@ -280,45 +266,45 @@ class RigidContact(Effect):
     name: str
     gap: sympy.Expr
     restitution: sympy.Expr = quantity(binds="nonnegative")
-    on: tuple[Body, ...]
+    on: Bodies
     unit: str = "m"  # of the gap: "m", "rad", or none where it is not known
     limits: tuple[sympy.Expr, ...] = ()  # of a stop: what is left before each of its limits
     typical_force: sympy.Expr | None = quantity(force_unit, binds="positive", default=None)
 
-    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
+    def pulls(self, bodies: Bodies) -> Pulls:
         """The reaction F0, where the gap is not open: it pushes."""
         return ((self.gap, -side(self.name) * self._scale(bodies)),)
 
-    def hold(self, bodies: tuple[Body, ...]) -> Rigid:
+    def hold(self, bodies: Bodies) -> Rigid:
         """The gap stays closed until the reaction would pull."""
         return Rigid(self.gap, self.restitution, self._scale(bodies))
 
-    def reported(self, bodies: tuple[Body, ...]) -> Reported:
+    def reported(self, bodies: Bodies) -> Reported:
         """The reaction, positive: it pushes."""
         _, exerted, unit = WORDS[self.unit]
         return ((exerted, unit, side(self.name) * self._scale(bodies)),)
 
-    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+    def measures(self, bodies: Bodies) -> Measures:
         """The gap and its rate; the force is reported."""
         gap, rate, _ = along_scalar(self.gap, self.unit, sympy.S.Zero, named="gap")
         return gap, rate
 
     def problems(self) -> list[str]:
         """A gap that is none, and numbers that no impact has."""
-        where = f"contact '{self.name}'"
+        where = label(self)
         problems = gap_problems(where, self.gap, self.bodies)
         scale = sympy.S.One if self.typical_force is None else self.typical_force
         for condition in hold_conditions(Rigid(self.gap, self.restitution, scale)):
             problems += condition.problems(where, {}) if condition.known else ()
         return problems
 
-    def _scale(self, bodies: tuple[Body, ...]) -> sympy.Expr:
+    def _scale(self, bodies: Bodies) -> sympy.Expr:
         if self.typical_force is not None:
             return self.typical_force
         masses = [body.mass for body in bodies if body.mass is not None]
         return sympy.Float(GRAVITY) * (sympy.Add(*masses) if masses else sympy.S.One)
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """The bodies that touch, and the gap between them, or those of a stop."""
         if self.unit != "m":
             return (shapes.Contact(self.on),)

@@ -4,14 +4,21 @@ from typing import Any
 
 import sympy
 
-from codegen.declare import element as el
-from codegen.declare.body import Body
-from codegen.declare.element import Effect, Measure, Reported, Sticking, label
-from codegen.declare.element_conditions import static_condition
-from codegen.declare.element_fields import quantity
-from codegen.declare.symbols import Coordinate, Velocity, kinds, rate, side
+from codegen.declare.body import Bodies, Loads
+from codegen.declare.element import (
+    Constraint,
+    Effect,
+    FrictionLaw,
+    Measure,
+    Measures,
+    Reported,
+    Sticking,
+    label,
+)
+from codegen.declare.element_fields import quantity, static_condition
+from codegen.declare.symbols import Velocity, kinds, rate, side
 from codegen.elements.joints.guides import RevoluteTranslational, Translational
-from codegen.elements.joints.links import Revolute
+from codegen.elements.joints.points import Revolute
 from codegen.elements.registry import element
 from codegen.elements.scalar_measures import (
     angle_problems,
@@ -23,32 +30,50 @@ from codegen.elements.scalar_measures import (
 from codegen.readers.values import shown
 
 
-def coefficient_problems(
-    effect: Effect, kinetic: sympy.Expr, static: sympy.Expr | None, creep: sympy.Expr | None
-) -> list[str]:
-    """A static coefficient that contradicts the kinetic one, and two laws at once."""
-    where, problems = label(effect), list[str]()
-    if static is None:
-        return problems
-    if creep is not None:
-        problems.append(
-            f"{where} has both static= and creep=; a friction that creeps never sticks: give "
-            "creep= for the smooth law, or static= for the one that sticks, or both with "
-            "fidelity='sticking' or 'regularised' to let scenes choose."
-        )
-    elif kinetic == 0:
-        problems.append(
-            f"{where}: the coefficient of friction is 0 and the static one {static}; a friction "
-            "that sticks also acts when it slides: give a positive coefficient."
-        )
-    elif kinetic.is_number and static.is_number:
+class Coulomb(Effect):
+    """A friction with the coefficients of Coulomb's law, and perhaps a speed of creep."""
+
+    coefficient: sympy.Expr
+    static: sympy.Expr | None
+    creep: sympy.Expr | None
+
+    @property
+    def speed(self) -> sympy.Expr:
+        """ṡ."""
+        raise NotImplementedError
+
+    def hold(self, bodies: Bodies) -> Sticking | None:
+        """Where it sticks, if it does."""
+        sticks = self.creep is None
+        return Sticking(self.speed, self.coefficient, self.static) if sticks else None
+
+    def problems(self) -> list[str]:
+        """A static coefficient that contradicts the kinetic one, and two laws at once."""
+        where, kinetic, static = label(self), self.coefficient, self.static
+        if static is None:
+            return []
+        if self.creep is not None:
+            return [
+                (
+                    f"{where} has both static= and creep=; a friction that creeps never sticks: "
+                    "give creep= for the smooth law, or static= for the one that sticks, or both "
+                    "with fidelity='sticking' or 'regularised' to let scenes choose."
+                )
+            ]
+        if kinetic == 0:
+            return [
+                (
+                    f"{where}: the coefficient of friction is 0 and the static one {static}; a "
+                    "friction that sticks also acts when it slides: give a positive coefficient."
+                )
+            ]
         (condition,) = static_condition(kinetic, static)
-        problems += condition.problems(where, {})
-    return problems
+        known = kinetic.is_number and static.is_number
+        return [*condition.problems(where, {})] if known else []
 
 
 @element
-class DryFriction(Effect):
+class DryFriction(Coulomb):
     """f = -μ N sign(ṡ) along the slip ṡ; at ṡ = 0 the force that keeps it, up to μ_s N (Coulomb).
 
     The slip is a velocity, linear in the velocities of the bodies, ṡ = J q̇ + b; f acts as Q = Jᵀ f.
@@ -74,7 +99,7 @@ class DryFriction(Effect):
     coefficient: sympy.Expr = quantity(
         "", "nonnegative", binds="nonnegative", word="coefficient of friction"
     )
-    on: tuple[Body, ...]
+    on: Bodies
     static: sympy.Expr | None = quantity("", binds="positive", default=None)
     creep: sympy.Expr | None = quantity(
         "m/s", "positive", binds="positive", default=None, word="creep speed"
@@ -91,21 +116,21 @@ class DryFriction(Effect):
         """N, where something presses; else 0."""
         return self.normal if is_constant(self.normal) else sympy.Max(self.normal, 0)
 
-    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
+    def forces(self, bodies: Bodies) -> Loads:
         """Q = Jᵀ f."""
         force = self.force
         return {v.coordinate: force * sympy.diff(self.slip, v) for v in kinds(self.slip, Velocity)}
 
-    def hold(self, bodies: tuple[Body, ...]) -> Sticking | None:
-        """Where it sticks, if it does."""
-        sticks = self.creep is None
-        return Sticking(self.slip, self.coefficient, self.static) if sticks else None
+    @property
+    def speed(self) -> sympy.Expr:
+        """The slip."""
+        return self.slip
 
-    def reported(self, bodies: tuple[Body, ...]) -> Reported:
+    def reported(self, bodies: Bodies) -> Reported:
         """f itself."""
         return (("force", "N", self.force),)
 
-    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+    def measures(self, bodies: Bodies) -> Measures:
         """The slip and N, beside f."""
         return (
             Measure("rate", "", "m/s", self.slip),
@@ -129,13 +154,13 @@ class DryFriction(Effect):
                 f"{where}: the slip {self.slip} is not linear in {curved[0].name}; write the "
                 "velocity itself, such as block.vx - speed."
             )
-        return problems + coefficient_problems(self, self.coefficient, self.static, self.creep)
+        return problems + super().problems()
 
 
 JOINTS = (Revolute, Translational, RevoluteTranslational)
 
 
-def joint_coordinate(joint: el.Constraint) -> tuple[sympy.Expr, str]:
+def joint_coordinate(joint: Constraint) -> tuple[sympy.Expr, str]:
     """φ_j - φ_i of a revolute joint, else u_iᵀ d along the line of body i, and its unit."""
     assert isinstance(joint, JOINTS)
     if isinstance(joint, Revolute):
@@ -148,7 +173,7 @@ def joint_coordinate(joint: el.Constraint) -> tuple[sympy.Expr, str]:
 
 
 @element
-class JointFriction(el.Effect):
+class JointFriction(Coulomb):
     """f = -μ N sign(ṡ) along the slip s, N being the size of the joint's reaction (Coulomb).
 
     In a revolute joint of radius R the slip is the angle between the bodies, and f the torque
@@ -195,37 +220,34 @@ class JointFriction(el.Effect):
     static: sympy.Expr | None = quantity("", binds="positive", default=None)
 
     @property
-    def bodies(self) -> tuple[Body, ...]:
+    def bodies(self) -> Bodies:
         """The bodies of the joint."""
-        pair: tuple[Body, ...] = self.joint.bodies if isinstance(self.joint, JOINTS) else ()
+        pair: Bodies = self.joint.bodies if isinstance(self.joint, JOINTS) else ()
         return pair
 
-    def friction(self) -> el.FrictionLaw:
+    def friction(self) -> FrictionLaw:
         """The slip along which it acts, and the normal force."""
         joint, mu = self.joint, self.coefficient
         along, _ = joint_coordinate(joint)
         if isinstance(joint, Revolute):
             pressing: tuple[Any, ...] = ((("fx", sympy.S.One),), (("fy", sympy.S.One),))
-            return el.FrictionLaw(
-                joint.name, mu * self.radius, self.creep, along, (pressing,), "N m"
-            )
+            return FrictionLaw(joint.name, mu * self.radius, self.creep, along, (pressing,), "N m")
         ends: tuple[Any, ...] = (((("fy", sympy.S.One),),),)
         if self.length is not None:
             half = sympy.Rational(1, 2)
             ends = tuple(((("fy", half), ("torque", sign / self.length)),) for sign in (1, -1))
-        return el.FrictionLaw(joint.name, mu, self.creep, along, ends, "N")
+        return FrictionLaw(joint.name, mu, self.creep, along, ends, "N")
 
-    def hold(self, bodies: tuple[Body, ...]) -> el.Sticking | None:
-        """Where it sticks, if it does."""
-        if self.creep is not None:
-            return None
-        return el.Sticking(rate(self.friction().along), self.coefficient, self.static)
+    @property
+    def speed(self) -> sympy.Expr:
+        """The rate of the slip."""
+        return rate(self.friction().along)
 
     def problems(self) -> list[str]:
         """Joints that do not rub, and two laws at once."""
-        where, joint = el.label(self), self.joint
+        where, joint = label(self), self.joint
         if not isinstance(joint, JOINTS):
-            name = f"'{joint.name}'" if isinstance(joint, el.Constraint) else shown(joint)
+            name = f"'{joint.name}'" if isinstance(joint, Constraint) else shown(joint)
             advice = "give a revolute, a translational or a revolute-translational joint"
             advice += " itself, not its name." if isinstance(joint, str) else "."
             return [f"{where}: {name} is no joint that rubs; {advice}"]
@@ -241,4 +263,4 @@ class JointFriction(el.Effect):
             problems.append(
                 f"{where}: joint '{joint.name}' has no long bearing; leave out length=."
             )
-        return problems + coefficient_problems(self, self.coefficient, self.static, self.creep)
+        return problems + super().problems()

@@ -4,10 +4,9 @@ from typing import ClassVar
 
 import sympy
 
-from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, Measure, Pulls, label
-from codegen.declare.element_conditions import Condition, sign_conditions
-from codegen.declare.element_fields import quantity
+from codegen.declare.body import Bodies, Body, Point
+from codegen.declare.element import Effect, Measure, Measures, Pulls, label
+from codegen.declare.element_fields import Conditions, quantity, sign_conditions
 from codegen.declare.symbols import SPEED
 from codegen.drawing import shapes
 from codegen.elements import scalar_measures as measures
@@ -16,7 +15,40 @@ from codegen.elements.registry import element
 OTHER = ", and write other characteristics with {}="
 
 
-class SpringDamper(Effect):
+Along = tuple[sympy.Expr, sympy.Expr, sympy.Expr, sympy.Expr]
+"""A scalar s, V and f of the spring along it, and f of the rest, with `SPEED` for ṡ."""
+
+
+class Springs(Effect):
+    """Springs and dampers along scalars; the springs have a potential where nothing varies."""
+
+    @property
+    def along(self) -> list[Along]:
+        """The scalars, and what acts along each."""
+        raise NotImplementedError
+
+    @property
+    def conservative(self) -> bool:
+        """Whether the springs have a potential."""
+        raise NotImplementedError
+
+    def acting(self, value: sympy.Expr, scalar: sympy.Expr) -> sympy.Expr:
+        """What acts, of a value along a scalar."""
+        return value
+
+    def potential(self, bodies: Bodies) -> sympy.Expr | None:
+        """V of the springs."""
+        energy = sympy.Add(*(self.acting(v, s) for s, v, *_ in self.along))
+        return energy if self.conservative and energy != 0 else None
+
+    def pulls(self, bodies: Bodies) -> Pulls:
+        """The forces of dampers and actuators, and of springs that vary."""
+        varies = not self.conservative
+        forces = ((s, rest + elastic if varies else rest) for s, _, elastic, rest in self.along)
+        return tuple((s, self.acting(f, s)) for s, f in forces if f != 0)
+
+
+class SpringDamper(Springs):
     """f = F0 + k (s - s0) + c ṡ + F along a scalar s; V exists where k, s0 and F0 are constant."""
 
     unit: ClassVar[str] = "m"
@@ -33,31 +65,28 @@ class SpringDamper(Effect):
         raise NotImplementedError
 
     @property
+    def along(self) -> list[Along]:
+        """s."""
+        (s, free), k, preload = self.scalar, self.stiffness, self.preload
+        energy = k * (s - free) ** 2 / 2 + preload * (s - free)
+        return [(s, energy, k * (s - free) + preload, self.damping * SPEED + self._active)]
+
+    @property
+    def conservative(self) -> bool:
+        """Whether k, s0 and F0 are constant."""
+        return measures.is_constant(self.stiffness, self.scalar[1], self.preload)
+
+    @property
     def present(self) -> tuple[bool, bool, bool]:
         """Whether it has an elastic part, a damper and an actuator."""
         elastic = self.stiffness != 0 or self.preload != 0
         return elastic, self.damping != 0, self._active != 0
 
-    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
-        """V = k (s - s0)² / 2 + F0 (s - s0) of the elastic part."""
-        s, free = self.scalar
-        if not self._conservative or not self.present[0]:
-            return None
-        return self.stiffness * (s - free) ** 2 / 2 + self.preload * (s - free)
-
-    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
-        """The force of the damper and the actuator, and of a spring that varies."""
-        force = self.damping * SPEED + self._active
-        if not self._conservative:
-            force += self._elastic
-        return () if force == 0 else ((self.scalar[0], force),)
-
-    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+    def measures(self, bodies: Bodies) -> Measures:
         """s, its rate, s - s0, and f."""
-        s, free = self.scalar
-        force = self._elastic + self.damping * SPEED + self._active
-        found = measures.along_scalar(s, self.unit, force)
-        return (*found, Measure("deflection", "", self.unit, s - free))
+        ((s, _, elastic, rest),) = self.along
+        found = measures.along_scalar(s, self.unit, elastic + rest)
+        return (*found, Measure("deflection", "", self.unit, s - self.scalar[1]))
 
     def problems(self) -> list[str]:
         """A law that exerts nothing."""
@@ -71,15 +100,6 @@ class SpringDamper(Effect):
     def _active(self) -> sympy.Expr:
         """F, of the actuator and of a law of the modeller's own."""
         return self.actuator if self.law is None else self.actuator + self.law
-
-    @property
-    def _elastic(self) -> sympy.Expr:
-        s, free = self.scalar
-        return self.stiffness * (s - free) + self.preload
-
-    @property
-    def _conservative(self) -> bool:
-        return measures.is_constant(self.stiffness, self.scalar[1], self.preload)
 
 
 @element
@@ -131,7 +151,7 @@ class Spring(measures.SpanMeasures, SpringDamper):
             )
         return problems + super().problems()
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """A spring, damper and actuator, those that there are."""
         return (shapes.Spring(self.i, self.j, *self.present),)
 
@@ -173,7 +193,7 @@ class TorsionSpring(measures.TurnMeasures, SpringDamper):
         """A body against itself, and a law that exerts nothing."""
         return super().problems() + SpringDamper.problems(self)
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """A torsion spring, damper and actuator, those that there are."""
         return (shapes.SpiralSpring(self.i, self.j, *self.present),)
 
@@ -183,7 +203,7 @@ AXES = (("x", "N/m", "N s/m"), ("y", "N/m", "N s/m"), ("phi", "N m/rad", "N m s/
 
 
 @element
-class Bushing(Effect):
+class Bushing(Springs):
     """Forces -k s - c ṡ along the displacements s = (A_iᵀ d, φ_j - φ_i - θ0), d = r_j^P - r_i^P.
 
     The springs have the potential V = Σ k s² / 2; the dampers are forces. The axes turn with body
@@ -211,25 +231,22 @@ class Bushing(Effect):
         angle = measures.relative_angle(self.i.body, self.j.body) - self.free_angle
         return c * dx + s * dy - self.i.sx, c * dy - s * dx - self.i.sy, angle
 
-    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
-        """V of the springs."""
-        if not self._conservative or not any(self.stiffness):
-            return None
-        pairs = zip(self.stiffness, self.displacements, strict=True)
-        return sympy.Add(*(k * s**2 / 2 for k, s in pairs))
-
-    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
-        """The dampers along the displacements, and springs that vary."""
+    @property
+    def along(self) -> list[Along]:
+        """The displacements."""
         rows = zip(self.stiffness, self.damping, self.displacements, strict=True)
-        pairs = ((s, c * SPEED + (0 if self._conservative else k * s)) for k, c, s in rows)
-        return tuple((s, force) for s, force in pairs if force != 0)
+        return [(s, k * s**2 / 2, k * s, c * SPEED) for k, c, s in rows]
 
-    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+    @property
+    def conservative(self) -> bool:
+        """Whether the springs and the angle at rest are constant."""
+        return measures.is_constant(*self.stiffness, self.free_angle)
+
+    def measures(self, bodies: Bodies) -> Measures:
         """The displacements, their rates, and the force and torque on body j."""
-        found: tuple[Measure, ...] = ()
-        rows = zip(AXES, self.stiffness, self.damping, self.displacements, strict=True)
-        for (axis, *_), k, c, s in rows:
-            force, unit = -k * s - c * SPEED, "rad" if axis == "phi" else "m"
+        found: Measures = ()
+        for (axis, *_), (s, _, elastic, drag) in zip(AXES, self.along, strict=True):
+            force, unit = -elastic - drag, "rad" if axis == "phi" else "m"
             found += (
                 Measure("deflection", axis, unit, s),
                 Measure("rate", axis, f"{unit}/s", SPEED, s),
@@ -247,7 +264,7 @@ class Bushing(Effect):
             problems.append(f"{label(self)}: stiffness and damping are all 0; give at least one.")
         return problems
 
-    def conditions(self) -> tuple[Condition, ...]:
+    def conditions(self) -> Conditions:
         """Springs and dampers that resist."""
         rows = zip(AXES, self.stiffness, self.damping, strict=True)
         return sign_conditions(
@@ -258,10 +275,6 @@ class Bushing(Effect):
             )
         )
 
-    @property
-    def _conservative(self) -> bool:
-        return measures.is_constant(*self.stiffness, self.free_angle)
-
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """A pin of rubber: a spring from point to point."""
         return (shapes.Spring(self.i, self.j),)

@@ -2,10 +2,9 @@
 
 import sympy
 
-from codegen.declare.body import Body
-from codegen.declare.element import Effect, Measure, OneWay, Pulls, Reported, label
-from codegen.declare.element_conditions import Condition
-from codegen.declare.element_fields import ground_unless_given, quantity
+from codegen.declare.body import Bodies, Body
+from codegen.declare.element import Effect, Measures, OneWay, Pulls, Reported, label
+from codegen.declare.element_fields import Condition, Conditions, ground_unless_given, quantity
 from codegen.declare.symbols import SPEED, rate, side
 from codegen.drawing import shapes
 from codegen.elements import scalar_measures as measures
@@ -40,17 +39,17 @@ class Motor(measures.TurnMeasures, Effect):
     )
     voltage: sympy.Expr = quantity()
 
-    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
+    def pulls(self, bodies: Bodies) -> Pulls:
         """T tends to make θ = φ_j - φ_i larger."""
         line = SPEED / self.no_load_speed - self.voltage
         return ((self.angle, self.stall_torque * line),)
 
-    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+    def measures(self, bodies: Bodies) -> Measures:
         """θ, ω and T."""
         line = self.voltage - SPEED / self.no_load_speed
         return measures.along_scalar(self.angle, "rad", self.stall_torque * line)
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """A round arrow between two bodies."""
         return (shapes.SpiralSpring(self.i, self.j, elastic=False, actuator=True),)
 
@@ -82,21 +81,21 @@ class OneWayClutch(measures.TurnMeasures, Effect):
     j: Body
     capacity: sympy.Expr | None = quantity("N m", "positive", binds="positive", default=None)
 
-    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
+    def pulls(self, bodies: Bodies) -> Pulls:
         """T tends to make θ = φ_j - φ_i larger, where it does not overrun."""
         if self.capacity is None:
             return ((self.angle, -self._torque()),)
         return ((self.angle, sympy.Piecewise((-self.capacity, SPEED < 0), (0, True))),)
 
-    def hold(self, bodies: tuple[Body, ...]) -> OneWay | None:
+    def hold(self, bodies: Bodies) -> OneWay | None:
         """Without a capacity the speeds stay the same until the torque would be negative."""
         return OneWay(rate(self.angle), self._scale()) if self.capacity is None else None
 
-    def reported(self, bodies: tuple[Body, ...]) -> Reported:
+    def reported(self, bodies: Bodies) -> Reported:
         """The torque on the driven body, never negative; with a capacity it is a measure."""
         return (("torque", "N m", self._torque()),) if self.capacity is None else ()
 
-    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+    def measures(self, bodies: Bodies) -> Measures:
         """θ, its rate, and with a capacity the torque on the driven body, from 0 to T_c."""
         found = measures.along_scalar(self.angle, "rad", self._torque())
         return found[:2] if self.capacity is None else found
@@ -110,7 +109,7 @@ class OneWayClutch(measures.TurnMeasures, Effect):
         inertias = [body.inertia for body in self.bodies if body.inertia is not None]
         return sympy.Float(TYPICAL) * (sympy.Add(*inertias) if inertias else sympy.S.One)
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """A round sign between two bodies."""
         return (shapes.SpiralSpring(self.i, self.j, elastic=False, damper=True),)
 
@@ -197,12 +196,12 @@ class GearWithBacklash(WheelPair, GapSprings):
             problems.append(f"{label(self)}: both gears are internal; make one radius positive.")
         return problems
 
-    def conditions(self) -> tuple[Condition, ...]:
+    def conditions(self) -> Conditions:
         """Radii of two pitch circles."""
         product = self.radius_i * self.radius_j
         text = "the radii ({1:g}, {2:g}) m contain a 0; give the radii of the pitch circles."
         return (Condition(text, (product**2, self.radius_i, self.radius_j), open=True),)
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """Two toothed wheels."""
         return toothed_wheels((self.i, self.radius_i), (self.j, self.radius_j))

@@ -8,8 +8,7 @@ import sympy
 
 from codegen.declare.body import Curve, Point
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
-from codegen.declare.element_conditions import compared, in_ground, outward, places
-from codegen.declare.element_fields import Axis, direction
+from codegen.declare.element_fields import Axis, compared, direction, in_ground, outward, places
 from codegen.declare.symbols import Coordinate, alpha, coordinate, given, own_coordinate
 from codegen.drawing import shapes
 from codegen.elements.joints.guides import bind_axis
@@ -74,7 +73,7 @@ class CamFlatFollower(Constraint):
         """The closed curves, and whether each has to be convex."""
         return ((self.cam, True),)
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """The profile, and the line of the face."""
         ux, uy = self.axis
         return shapes.Profile(self.cam), shapes.Rack(self.face, ux, uy)
@@ -141,7 +140,7 @@ class CamFollower(Constraint):
         on_cam, on_follower = divmod(int(np.argmax(compared(score))), len(other))
         return {self.alpha: ALPHAS[4 * on_cam], self.beta: ALPHAS[4 * on_follower]}
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """Both profiles."""
         return shapes.Profile(self.cam), shapes.Profile(self.follower)
 
@@ -191,6 +190,6 @@ class PointFollower(Constraint):
             apart = np.linalg.norm(curve - point, axis=1)
         return {self.alpha: ALPHAS[int(np.nanargmin(compared(apart)))]}
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """The curve, and a pin that follows it."""
         return shapes.Profile(self.curve), shapes.Mark(self.point)

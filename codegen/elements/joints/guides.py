@@ -8,7 +8,7 @@ i, since the part of s'_i is constant: u_iᵀ A_i s'_i = u'_iᵀ s'_i.
 
 import sympy
 
-from codegen.declare.body import Body, Point
+from codegen.declare.body import Bodies, Body, Point
 from codegen.declare.element import (
     ConjugateReaction,
     Constraint,
@@ -19,8 +19,7 @@ from codegen.declare.element import (
     Statement,
     label,
 )
-from codegen.declare.element_conditions import Condition
-from codegen.declare.element_fields import Axis, direction, quantity
+from codegen.declare.element_fields import Axis, Condition, Conditions, direction, quantity
 from codegen.declare.symbols import given
 from codegen.drawing import shapes
 from codegen.elements.registry import element
@@ -65,7 +64,7 @@ class Translational(Constraint):
         bindings = I.bind(self.i) | J.bind(self.j) | bind_axis(self.axis) | {ANGLE: self.angle}
         return Statement(GUIDED, ("normal", "angle"), JointReaction(DIRECTION), bindings)
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """A block on a guide."""
         return (shapes.Slide(self.i, self.j, *self.axis),)
 
@@ -90,7 +89,7 @@ class RevoluteTranslational(Constraint):
     instead_of: Body | None = None
 
     @property
-    def bodies(self) -> tuple[Body, ...]:
+    def bodies(self) -> Bodies:
         """The two that it connects."""
         return (self.i.body, self.j.body)
 
@@ -100,7 +99,7 @@ class RevoluteTranslational(Constraint):
         bindings |= {DISTANCE: self.distance}
         return Statement(ON_LINE, ("normal",), JointReaction(DIRECTION), bindings)
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """A pin in a slot."""
         return (shapes.Slot(self.i, self.j, *self.axis),)
 
@@ -143,7 +142,7 @@ class RackAndPinion(Constraint):
         bindings |= {RADIUS: self.radius, OFFSET: self.offset}
         return Statement(ROLLING, ("normal", "rolling"), JointReaction(DIRECTION, J, -1), bindings)
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """The pinion and the rack."""
         ux, uy = self.axis
         pinion = shapes.Wheel(self.pinion, self.radius, toothed=True)
@@ -181,7 +180,7 @@ class RollingDisc(Constraint):
         reaction = JointReaction(DIRECTION, arm=TO_CONTACT)
         return Statement(ROLLING, ("normal", "rolling"), reaction, bindings)
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """The disc and the line."""
         disc, line = shapes.Wheel(self.disc, self.radius), shapes.Rack(self.line, *self.axis)
         return disc, line
@@ -235,11 +234,11 @@ class Screw(Constraint):
             )
         return problems
 
-    def conditions(self) -> tuple[Condition, ...]:
+    def conditions(self) -> Conditions:
         """A thread that rises."""
         text = "the lead is {1:g} m, and the nut never moves; give the travel of one turn."
         return (Condition(text, (self.lead**2, self.lead), open=True),)
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """The nut on its axis."""
         return (shapes.Slide(self.frame, self.nut, *self.axis),)

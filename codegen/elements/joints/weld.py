@@ -7,7 +7,7 @@ from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.element_fields import quantity
 from codegen.declare.symbols import given
 from codegen.drawing import shapes
-from codegen.elements.joints.links import COINCIDENT, X_AXIS
+from codegen.elements.joints.points import COINCIDENT, X_AXIS
 from codegen.elements.registry import element
 
 ANGLE = given("angle")
@@ -34,6 +34,6 @@ class Weld(Constraint):
         bindings = I.bind(self.i) | J.bind(self.j) | {ANGLE: self.angle}
         return Statement(PHI, ("x", "y", "angle"), JointReaction(X_AXIS), bindings)
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """A rigid connection."""
         return (shapes.Fixing(self.i, self.j),)

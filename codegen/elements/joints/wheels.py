@@ -16,11 +16,16 @@ from codegen.declare.element import (
     Statement,
     label,
 )
-from codegen.declare.element_conditions import Condition
-from codegen.declare.element_fields import ground_unless_given, quantity, shared_fields
+from codegen.declare.element_fields import (
+    Condition,
+    Conditions,
+    ground_unless_given,
+    quantity,
+    shared_fields,
+)
 from codegen.declare.symbols import given
 from codegen.drawing import shapes
-from codegen.elements.joints.links import SPAN, Revolute
+from codegen.elements.joints.points import SPAN, Revolute
 from codegen.elements.registry import element
 from codegen.elements.scalar_measures import angle_problems, same_body
 
@@ -74,7 +79,7 @@ class Gear(Constraint):
         bindings |= {SHARE_I: self.radius_i / total, SHARE_J: self.radius_j / total}
         return Statement(MESH, ("mesh",), JointReaction(TOWARDS_J), bindings)
 
-    def conditions(self) -> tuple[Condition, ...]:
+    def conditions(self) -> Conditions:
         """Radii of two pitch circles, which touch at the distance of the gears' bearings."""
         i, j = self.radius_i, self.radius_j
         pair = f"the radii ({i}, {j}) m"
@@ -111,12 +116,12 @@ class Gear(Constraint):
         span = find_carrier(self.i, self.j, self.joints)
         return sympy.S.Zero if span is None else sympy.atan2(span[2], span[1])
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """Two toothed wheels."""
         return toothed_wheels((self.i, self.radius_i), (self.j, self.radius_j))
 
 
-def toothed_wheels(*wheels: tuple[Any, sympy.Expr]) -> tuple[shapes.Shape, ...]:
+def toothed_wheels(*wheels: tuple[Any, sympy.Expr]) -> shapes.Shapes:
     """What gears look like: their points or bodies, and radii."""
     return tuple(shapes.Wheel(at, radius, toothed=True) for at, radius in wheels)
 
@@ -221,7 +226,7 @@ class Pulleys(WheelPair):
     )
     crossed: bool
 
-    def shapes(self) -> tuple[shapes.Shape, ...]:
+    def shapes(self) -> shapes.Shapes:
         """Two pulleys and the belt."""
         i, j, radius_i, radius_j = self.i, self.j, self.radius_i, self.radius_j
         belt = shapes.Belt(i, j, radius_i, radius_j, self.crossed)

@@ -8,7 +8,6 @@ import pytest
 from numpy.testing import assert_allclose
 
 from codegen import Model, t
-from tests.codegen.complaints import check, complaints
 from tests.codegen.elements.hand.modes import hard
 from tests.codegen.workbench import A, Interpreted, State, complex_step
 
@@ -175,33 +174,3 @@ def test_contact_whose_mass_is_a_parameter_has_its_weight_as_scale() -> None:
     machine.p = [5.0]
     s = State(t=0.0, q=np.zeros(2), v=np.zeros(2))
     assert_allclose(machine.vector("contact_scale", s), [5.0 * 9.81])
-
-
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        ("a, b, restitution=1.5", ["contact 'c': the restitution is 1.5; give a number from 0"]),
-        ("a, b, restitution=-0.1", ["the restitution is -0.1; give a number from 0"]),
-        ("a, b, restitution=0.5, stiffness=3", ["both restitution= and stiffness= or damping="]),
-        ("a, b, restitution=0.5, damping=3", ["both restitution= and stiffness= or damping="]),
-        ("a, b", ["contact 'c' has neither stiffness= nor restitution=; give"]),
-        ("a, b, damping=3", ["contact 'c' has neither stiffness= nor restitution=; give"]),
-        ("a, b, restitution=0.5, may_pull=False", ["a rigid contact never pulls; leave may_pull"]),
-        ("a, b, stiffness=3, typical_force=3", ["typical_force= is a rigid contact's; leave"]),
-        ("a, b, restitution=0.5, typical_force=0", ["the typical force is 0 N; give a positive"]),
-        ("gap=a.y + a.vy, restitution=0.5", ["contains the velocity a_vy; it is a position"]),
-        ("gap=k, restitution=0.5", ["the gap k depends on no coordinate"]),
-        ("a, a.at(1, 0), restitution=0.5", ["contact 'c' is between body 'a' and itself"]),
-        ("gap=abs(a.y), restitution=0.5", ["'c': Abs.a_y. has a kink; constraints are smooth"]),
-        ("gap=a.y, restitution=k", ["scene 'default': rigid contact 'c': the restitution k is 5"]),
-        ("gap=a.y, restitution=a.x", ["the restitution a_x varies in a run; give a number"]),
-        ("gap=a.y, restitution=Symbol('e')", ["unknown symbol 'e'; declare it"]),
-    ],
-)  # fmt: skip
-def test_what_is_wrong_is_said(tmp_path: Path, text: str, expected: list[str]) -> None:
-    check(complaints(tmp_path, f"model.contact('c', {text})"), expected)
-
-
-def test_two_contacts_at_one_gap_are_told_apart(tmp_path: Path) -> None:
-    text = "\n".join(f"model.contact('{c}', gap=a.y - 1, restitution=0.5)" for c in "cd")
-    check(complaints(tmp_path, text), ["'c' and 'd' are contacts at the same gap a_y - 1"])

@@ -114,7 +114,7 @@ class Reports(Effect):
 def test_components_and_units_of_an_own_element_are_words(part: str, unit: str) -> None:
     model = bead()
     model.add(Reports(model.bodies["ball"], ((part, unit, sympy.S.One),)))
-    with pytest.raises(LinkwrightError, match=r"'mine': its reported\(\) returns"):
+    with pytest.raises(LinkwrightError, match=r"'mine': what its reported\(\) returns is"):
         valid_scenes(model, None)
 
 

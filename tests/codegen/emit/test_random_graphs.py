@@ -6,8 +6,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from codegen.emit.kernel import KernelText
-from codegen.emit.kernel_docstrings import Arguments
+from codegen.emit.kernel import Arguments, KernelText
 from codegen.lower.graph import Graph
 from codegen.lower.interpreter import evaluate
 from codegen.lower.program import Kernel, Op, Output, Program

@@ -10,8 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from codegen import Model
-from codegen.emit.companion_modules import tangents_text
-from codegen.emit.module import Origin
+from codegen.emit.module import Origin, tangents_text
 from codegen.lower.differentiation.program_tangents import tangent_program
 from codegen.lower.operation_count import operations
 from codegen.lower.program import Program

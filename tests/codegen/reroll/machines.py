@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.chain import chain
 from codegen import Model
 from codegen.derive.equations import derive
-from codegen.emit.kernel_docstrings import Arguments
+from codegen.emit.kernel import Arguments
 from codegen.emit.module_functions import SIN_COS_FUNCTION
 from codegen.emit.rolled_kernel import RolledKernelText
 from codegen.lower.interpreter import evaluate

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from codegen.emit.kernel_docstrings import Arguments
+from codegen.emit.kernel import Arguments
+from codegen.emit.module import kernel_texts
 from codegen.emit.rolled_kernel import RolledKernelText
-from codegen.emit.unrolling import kernel_texts
 from codegen.lower.interpreter import evaluate
 from codegen.reroll.batching import ExpressionTrees, batch, list_schedule
 from codegen.reroll.rerolling import reroll, with_affine_accesses
