@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from runtime.accuracy_target.runs import Quantities
     from runtime.dynamics.formulations import Coordinates
     from runtime.dynamics.prepared_simulation import PreparedSimulation
-    from runtime.integrate.problem import Options
-    from runtime.integrate.trajectory import Trajectory
+    from runtime.integrate.problem import Options, Trajectory
     from runtime.machine_facade import Machine
     from runtime.results.result import Result
 

@@ -14,12 +14,13 @@ from codegen.lower.interpreter import FAILURES, evaluate
 from codegen.lower.kernels.picture_kernels import CURVES, NAME, lower_picture
 from codegen.lower.lowered_scene import lower
 from codegen.lower.poses_near_start import FloatArray, Poses
-from codegen.model import Model
 from codegen.readers import arguments as readers
 from codegen.reading.scene_selection import valid_scenes, with_settings
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from codegen.model import Model
 
 
 @readers.reads(
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     **dict.fromkeys(("dimensions", "forces", "frames", "names"), readers.flag),
 )  # fmt: skip
 def draw(
-    model: Model, scene: Any = None, *, parameters: Mapping[str, float] | None = None,
+    model: "Model", scene: Any = None, *, parameters: Mapping[str, float] | None = None,
     assembled: bool = True, dimensions: bool = False, forces: bool = False, frames: bool = False,
     names: bool = True,
 ) -> "Figure":  # fmt: skip
@@ -40,7 +41,7 @@ def draw(
 
 
 def picture_at_start(
-    model: Model, scene: Any = None, parameters: Mapping[str, float] | None = None,
+    model: "Model", scene: Any = None, parameters: Mapping[str, float] | None = None,
     assembled: bool = True,
 ) -> Picture:  # fmt: skip
     """What a declared mechanism looks like.

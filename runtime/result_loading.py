@@ -16,7 +16,7 @@ from codegen.files.generated_modules import content_hash
 from codegen.readers import arguments as readers
 from codegen.readers.values import one_line
 from runtime.assembly.assemble import assemble
-from runtime.assembly.substitute_kernels import suited_equations
+from runtime.assembly.redundancy import suited_equations
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.connected_simulation import joined
 from runtime.dynamics.formulations import formulate

@@ -7,7 +7,7 @@ them are reported together.
 import math
 from collections.abc import Iterator
 from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import sympy
 
@@ -25,16 +25,18 @@ from codegen.declare.returned_values import (
 from codegen.declare.symbols import t
 from codegen.declare.value_reader import expression_problem
 from codegen.errors import ModelError
-from codegen.model import Model
 from codegen.readers.arguments import Reader, flag, mapping, one_of, optional, row
 from codegen.readers.calls import errors_at
 from codegen.readers.expressions import constant_value
 from codegen.readers.values import KindError, one_line, shown
 
+if TYPE_CHECKING:
+    from codegen.model import Model
+
 LONGEST = 2000  # layout: characters of a sentence
 
 
-def check_model(model: Model) -> list[str]:
+def check_model(model: "Model") -> list[str]:
     """Problems of the declaration, whatever the scene."""
     problems = [*model.problems]
     if not model.bodies:
@@ -68,7 +70,7 @@ def check_model(model: Model) -> list[str]:
 
 
 def _lost_symbols(
-    model: Model, known: frozenset[sympy.Symbol], problems: list[str]
+    model: "Model", known: frozenset[sympy.Symbol], problems: list[str]
 ) -> Iterator[str]:
     """Unknown symbols of values that have no share in the equations, such as 0 times a place."""
     for where, symbols in model.symbols:
@@ -79,7 +81,7 @@ def _lost_symbols(
                 yield sentence
 
 
-def known_symbols(model: Model) -> frozenset[sympy.Symbol]:
+def known_symbols(model: "Model") -> frozenset[sympy.Symbol]:
     """Parameters, the time, and the coordinates and velocities of bodies and joints."""
     coordinates = [q for body in model.bodies.values() for q in body.coordinates]
     coordinates += [q for joint in model.joints.values() for q in own_coordinates(joint)]
@@ -87,7 +89,7 @@ def known_symbols(model: Model) -> frozenset[sympy.Symbol]:
     return frozenset((*model.defaults, t, *moving, *(s.symbol for s in model.states.values())))
 
 
-def _collisions(model: Model) -> Iterator[str]:
+def _collisions(model: "Model") -> Iterator[str]:
     """Two things that would have one name in the generated text."""
     owners: dict[str, str] = {"t": "the time"}
     declared = [("body", body.name, body.coordinates) for body in model.bodies.values()]
@@ -101,7 +103,7 @@ def _collisions(model: Model) -> Iterator[str]:
             yield f"parameter '{name}' has the name of {owners[name]}; rename it."
 
 
-def body_problems(model: Model, body: Body, known: frozenset[sympy.Symbol]) -> Iterator[str]:
+def body_problems(model: "Model", body: Body, known: frozenset[sympy.Symbol]) -> Iterator[str]:
     """Problems of a body: of what an own class returns, of its mass and inertia."""
     if not type(body).__module__.startswith("codegen."):
         try:
@@ -155,7 +157,7 @@ def _check_returned(body: Body, known: frozenset[sympy.Symbol]) -> None:
         forces(body.torque(sympy.S.One))
 
 
-def _mass_problems(model: Model, body: Body) -> Iterator[str]:
+def _mass_problems(model: "Model", body: Body) -> Iterator[str]:
     for word, unit in (("mass", "kg"), ("inertia", "kg m^2")):
         value = getattr(body, word)
         if value is None:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import sympy
 from sympy.core.relational import Relational
@@ -39,17 +39,19 @@ from codegen.declare.symbols import (
 from codegen.declare.value_reader import compile_problem
 from codegen.derive.piecewise_conditions import KINKED, STEPS, is_known_beforehand
 from codegen.errors import ModelError
-from codegen.model import Model
 from codegen.readers.expressions import distinct_nodes, plain_expression
 from codegen.readers.values import nearest, shown
 from codegen.tables.table_function import Interpolant
+
+if TYPE_CHECKING:
+    from codegen.model import Model
 
 Element = el.Constraint | el.Effect
 _KEPT = 1000  # measured: expressions whose flaws are known; a machine has fewer different ones
 
 
 def element_problems(
-    model: Model, element: Element, bodies: Bodies, known: frozenset[sympy.Symbol]
+    model: "Model", element: Element, bodies: Bodies, known: frozenset[sympy.Symbol]
 ) -> Iterator[str]:
     """Problems of one element, as it says them and as what it returns shows."""
     check = _ElementCheck(model, element, known)
@@ -65,7 +67,7 @@ def element_problems(
 
 
 def effect_problems(
-    model: Model, effect: el.Effect, bodies: Bodies, known: frozenset[sympy.Symbol]
+    model: "Model", effect: el.Effect, bodies: Bodies, known: frozenset[sympy.Symbol]
 ) -> Iterator[str]:
     """Problems of what an effect returns for the bodies of a scene."""
     return _ElementCheck(model, effect, known).of_effect(bodies)
@@ -74,7 +76,7 @@ def effect_problems(
 class _ElementCheck:
     """What is wrong with what an element of a model returns; `known` symbols mean something."""
 
-    def __init__(self, model: Model, element: Element, known: frozenset[sympy.Symbol]) -> None:
+    def __init__(self, model: "Model", element: Element, known: frozenset[sympy.Symbol]) -> None:
         self.model, self.element, self.known = model, element, known
         self.where = el.label(element)
 
@@ -283,7 +285,7 @@ def _bound_symbols(statement: el.Statement, expressions: Iterable[sympy.Basic]) 
     return symbols | meanings
 
 
-def unknown(model: Model, where: str, symbol: sympy.Symbol) -> str:
+def unknown(model: "Model", where: str, symbol: sympy.Symbol) -> str:
     """The sentence about a symbol that means nothing in a model."""
     if isinstance(symbol, Given):
         return f"{where}: the placeholder '{symbol}' is not bound; add it to bindings."

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from itertools import combinations
+from typing import TYPE_CHECKING
 
 import sympy
 
@@ -24,10 +25,12 @@ from codegen.derive.effect_terms import available_quantities, effect_measures, e
 from codegen.derive.equations import parts_of
 from codegen.derive.parameter_conditions import element_conditions
 from codegen.derive.switching_functions import Named, switches
-from codegen.model import Model
 from codegen.model.scene_requests import ONE
 from codegen.readers.calls import errors_at
 from codegen.readers.values import one_line
+
+if TYPE_CHECKING:
+    from codegen.model import Model
 
 _GEOMETRY = ("point", *(word for word in QUANTITIES if word not in EXERTED))
 _CONSTANT = {
@@ -38,7 +41,7 @@ _CONSTANT = {
 """What of a set-valued force no motion changes: (word, field)."""
 
 
-def check_scene(model: Model, scene: Scene) -> list[str]:
+def check_scene(model: "Model", scene: Scene) -> list[str]:
     """Problems of one scene of a sound model."""
     where = f"scene '{scene.name}'"
     with errors_at(where):
@@ -50,7 +53,7 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
 class _SceneCheck:
     """What is wrong with what takes part in a scene, and with what is asked of it."""
 
-    def __init__(self, model: Model, scene: Scene) -> None:
+    def __init__(self, model: "Model", scene: Scene) -> None:
         self.model, self.scene, self.parts = model, scene, parts_of(model, scene)
         self.present = {*scene.bodies, *self.parts.joints, *scene.states}
         self.numbers = model.defaults | {Parameter(k, real=True): x for k, x in scene.parameters}

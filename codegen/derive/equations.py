@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Set
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import sympy
 
@@ -26,9 +26,11 @@ from codegen.derive.parameter_conditions import (
 )
 from codegen.derive.scene_picture import ScenePicture, scene_picture
 from codegen.garbage_collection import collection_paused
-from codegen.model import Model
 from codegen.model.base import TRACKED
 from codegen.readers.calls import errors_at
+
+if TYPE_CHECKING:
+    from codegen.model import Model
 
 
 @dataclass(frozen=True)
@@ -185,7 +187,7 @@ class Parts:
         return [*self.joints.values(), *self.drivers.values(), *effects.values()]
 
 
-def parts_of(model: Model, scene: Scene) -> Parts:
+def parts_of(model: "Model", scene: Scene) -> Parts:
     """What takes part in a scene of a model."""
     present = {"ground", *scene.bodies}
     joints = {
@@ -232,7 +234,7 @@ def _effect_equations(scene: Scene, parts: Parts) -> Iterator[EffectEquations]:
 
 
 @collection_paused()
-def derive(model: Model, scene: Scene) -> Equations:
+def derive(model: "Model", scene: Scene) -> Equations:
     """Instantiate every element that takes part in `scene`."""
     parts = parts_of(model, scene)
     bodies, states, joints, drivers = parts.bodies, parts.states, parts.joints, parts.drivers

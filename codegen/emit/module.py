@@ -20,8 +20,8 @@ from codegen.lower.module_tables import Pattern
 from codegen.lower.operation_count import operations
 from codegen.lower.program import LEAVES, Kernel, Lookup, Program
 from codegen.reduce.reduced_kernels import Reduced
-from codegen.reroll.batching import batch
-from codegen.reroll.rerolling import reroll
+from codegen.reroll.batching import Batching
+from codegen.reroll.rerolling import Rerolling
 
 Unroll = Literal["auto", "always", "never"]
 """Write kernels out where that is short; always; never: in loops, however few operations."""
@@ -64,9 +64,9 @@ def _text_in_loops(
     slots = arguments.slots(program)
     constants = {k: slots[k] for k in program.hoisted(kernel)}
     base = arguments.declared + len(program.constants)
-    rolled = reroll(program, kernel, constants, base)
+    rolled = Rerolling(program, kernel, constants, base).rolled()
     if rolled.statements > LONGEST_KERNEL:
-        rolled = batch(program, kernel, constants, base)
+        rolled = Batching(program, kernel, constants, base).rolled()
     if size is not None and rolled.statements > GAIN * size:
         return KernelText(program, kernel, arguments)
     return RolledKernelText(program, kernel, rolled, arguments)

@@ -7,9 +7,8 @@ from codegen.derive.watched_functions import PeakedFunction, peaked_functions
 from codegen.garbage_collection import collection_paused
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.differentiation.derivative_along_motion import Direction
-from codegen.lower.kernels.accelerations import accelerations
+from codegen.lower.kernels.accelerations import accelerations, inverse_mass_ratio, weak_pivot
 from codegen.lower.kernels.corrections import correction
-from codegen.lower.kernels.inverse_mass_ratio import inverse_mass_ratio, weak_pivot
 from codegen.lower.kernels.scalar_kernels import (
     condition_kernels,
     hold_kernels,
@@ -48,23 +47,15 @@ class Selection:
 
     def energy(self) -> bool:
         """Whether kinetic and potential energy are."""
-        return self.outputs is None or "energy" in self.outputs
+        return self._names("energy")
 
-    def power(self, source: str) -> bool:
-        """Whether the power of an effect or driver is."""
-        return self.moves and self._one("power", source)
-
-    def balance(self) -> bool:
-        """Whether the powers that make a balance with the energies are."""
-        return self.moves and (self.outputs is None or "powers" in self.outputs)
-
-    def whole_power(self, source: str) -> bool:
-        """Whether a power is that includes what a potential takes, which has to be named."""
-        return self.outputs is not None and self.power(source)
+    def power(self, source: str = "") -> bool:
+        """Whether the power of an effect or driver is; of none: those that balance the energies."""
+        return self.moves and self._names("power", source)
 
     def work(self, source: str) -> bool:
         """Whether the work of an effect or driver is, which has to be named."""
-        return self.moves and self.outputs is not None and self._one("work", source)
+        return self.moves and self.outputs is not None and self._names("work", source)
 
     def reactions(self, scene: SceneGraph) -> list[Reaction]:
         """The forces that are, of elements that transmit them."""
@@ -73,10 +64,10 @@ class Selection:
     def _reported(self, row: Reaction) -> bool:
         if "reaction" in row.words and row.element in self._needed:
             return True
-        asked = (self._one(word, row.element) for word in row.words if word != "reaction")
+        asked = (self._names(word, row.element) for word in row.words if word != "reaction")
         if self.outputs is not None and any(asked):
             return True
-        return "reaction" in row.words and self._massive and self._one("reaction", row.element)
+        return "reaction" in row.words and self._massive and self._names("reaction", row.element)
 
     def multipliers(self, scene: SceneGraph) -> tuple[int, ...]:
         """Constraints on whose multipliers an output depends; all where none is named."""
@@ -91,9 +82,11 @@ class Selection:
                 needed.add(row)
         return tuple(sorted(needed))
 
-    def _one(self, group: str, element: str) -> bool:
-        names = self.outputs
-        return names is None or f"{group}s" in names or f"{group}({element})" in names
+    def _names(self, word: str, element: str = "") -> bool:
+        """Whether a word is asked for, of all elements or of one."""
+        return self.outputs is None or not {word, f"{word}s", f"{word}({element})"}.isdisjoint(
+            self.outputs
+        )
 
 
 def peak_arguments(scene: SceneGraph, peaks: tuple[PeakedFunction, ...]) -> Kernel:
@@ -259,7 +252,7 @@ def _powers(scene: SceneGraph, selection: Selection) -> list[tuple[str, str, int
     powers = [
         (name, "nonconservative" if name in stored else "effect", power)
         for name, power in scene.powers
-        if name not in stored or selection.balance()
+        if name not in stored or selection.power()
     ]
     row = 0
     for element in scene.equations.constraints:
@@ -273,6 +266,6 @@ def _powers(scene: SceneGraph, selection: Selection) -> list[tuple[str, str, int
     for name, value in working.items():
         if selection.work(name) and value != graph.zero:
             selected.append((f"work({name})", "work", value))
-        elif name in stored and selection.whole_power(name):
+        elif name in stored and selection.outputs is not None and selection.power(name):
             selected.append((f"power({name})", "power", value))
     return selected

@@ -95,7 +95,8 @@ def _watched(graph: Graph, needed: list[int]) -> list[int]:
         value = graph.values[k]
         moving = [a for a in value.args if not graph.settled[a]]
         bending = bent & set(moving)
-        if value.op not in _SMOOTH and moving and not _is_plain_sine(graph, k):
+        plain = value.op in (Op.SIN, Op.COS) and _degree(graph, value.args[0]) <= 1  # of a t + b
+        if value.op not in _SMOOTH and moving and not plain:
             bent.add(k)
             watched.append(k)
         elif bending:
@@ -104,12 +105,6 @@ def _watched(graph: Graph, needed: list[int]) -> list[int]:
             if alone or (value.op in _SUMS and len(bending) == 2):
                 watched.append(k)
     return watched
-
-
-def _is_plain_sine(graph: Graph, number: int) -> bool:
-    """Whether a value is a sine or cosine of a t + b."""
-    value = graph.values[number]
-    return value.op in (Op.SIN, Op.COS) and _degree(graph, value.args[0]) <= 1
 
 
 def _degree(graph: Graph, number: int) -> int:

@@ -34,15 +34,8 @@ from codegen.tables.table_function import Interpolant
 
 FUNCTIONS = {getattr(sympy, name): Op(name) for name in ELEMENTARY if name not in ("sqrt", "pow")}
 
-RANKS = {
-    "p": 1,
-    "t": 2,
-    "stiction": 2,
-    "q": 3,
-    "v": 4,
-    "a": 5,
-    "lam": 6,
-}  # how often an argument changes
+# how often an argument changes
+RANKS = {"p": 1, "t": 2, "stiction": 2, "q": 3, "v": 4, "a": 5, "lam": 6}
 
 
 class Translator:
@@ -53,12 +46,9 @@ class Translator:
     """
 
     def __init__(
-        self,
-        graph: Graph,
-        environment: Mapping[sympy.Expr, int],
-        switches: Sequence[Switch] | None,
-        compares: bool = False,
-    ) -> None:
+        self, graph: Graph, environment: Mapping[sympy.Expr, int],
+        switches: Sequence[Switch] | None, compares: bool = False,
+    ) -> None:  # fmt: skip
         self.graph, self.switches = graph, switches
         self.environment = ChainMap(dict(environment))
         self._compares = compares  # whether a condition that no switch has is compared
@@ -68,16 +58,12 @@ class Translator:
     def scoped(self, bindings: Mapping[sympy.Expr, sympy.Expr | int]) -> "Translator":
         """A translator that knows an element's placeholders in addition to the model's symbols."""
         inner = Translator(self.graph, {}, self.switches, self._compares)
-        inner.environment = self._own_environment().new_child()
+        own = self.environment  # of two dictionaries at the most
+        inner.environment = (own if len(own.maps) < 2 else ChainMap(dict(own))).new_child()
         for place, meaning in bindings.items():
             inner.environment[place] = meaning if isinstance(meaning, int) else self(meaning)
         inner._known = {place: inner.environment[place] for place in bindings}
         return inner
-
-    def _own_environment(self) -> ChainMap[sympy.Expr, int]:
-        """The environment in two dictionaries at the most."""
-        own = self.environment
-        return own if len(own.maps) < 2 else ChainMap(dict(own))
 
     @property
     def comparing(self) -> "Translator":

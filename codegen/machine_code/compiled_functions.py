@@ -77,11 +77,6 @@ class CompiledFunction(Dispatcher):  # type: ignore[misc]
 
     signature: Any = None
 
-    def keep_in(self, folder: Path) -> None:
-        """Keep its machine code in a folder."""
-        with numba_keeps_in(folder), suppress(RuntimeError):  # its file is nowhere, or no folder
-            self._cache = _Cache(self.py_func)
-
     def prepare(self) -> None:
         """Compile or load it, unless it is."""
         with global_compiler_lock:
@@ -180,7 +175,8 @@ def compiled_function(
     made = kind(function, targetoptions={"nopython": True, **options})
     made.signature = signature
     if folder is not None:
-        made.keep_in(folder)
+        with numba_keeps_in(folder), suppress(RuntimeError):  # its file is nowhere, or no folder
+            made._cache = _Cache(function)
     functions.append(made)
     return made
 

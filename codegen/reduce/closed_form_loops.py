@@ -20,10 +20,9 @@ from random import Random
 from typing import NamedTuple
 
 from codegen.lower.differentiation.program_tangents import differentiate
-from codegen.lower.graph import Graph
+from codegen.lower.graph import Graph, substitute
 from codegen.lower.interpreter import evaluate
 from codegen.lower.program import Kernel, Op, Program, dependencies, store
-from codegen.lower.substitution import substitute
 
 POINTS = 4  # measured: random points at which an identity is tested
 AGREED = 1e-9  # accuracy: numbers with a smaller difference, in parts of their sizes, are equal

@@ -25,14 +25,13 @@ from typing import NamedTuple
 import numpy as np
 
 from codegen.lower.differentiation.program_tangents import differentiate
-from codegen.lower.graph import Graph
+from codegen.lower.graph import Graph, substitute
 from codegen.lower.linear.elimination_order import LEAST_PIVOT
 from codegen.lower.linear.sparse_row_elimination import ROUNDING
 from codegen.lower.lowered_scene import Lowered
 from codegen.lower.module_tables import Description
 from codegen.lower.poses_near_start import Poses
 from codegen.lower.program import Op, dependencies
-from codegen.lower.substitution import substitute
 from codegen.reduce.closed_form_loops import Loop, find_loops
 
 

@@ -20,13 +20,13 @@ from dataclasses import dataclass, replace
 
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.differentiation.program_tangents import differentiate, tangent_program
+from codegen.lower.graph import substitute
 from codegen.lower.kernels.corrections import least_correction
 from codegen.lower.linear.factorization import Elimination, Strategy, augmented
 from codegen.lower.lowered_scene import Lowered
 from codegen.lower.module_tables import Pattern
 from codegen.lower.operation_count import cost
 from codegen.lower.program import STATE, Check, Kernel, Output, Program, store, storing
-from codegen.lower.substitution import substitute
 from codegen.reduce.coordinate_map import EVENT_KERNELS, CoordinateMap
 
 Entries = dict[tuple[int, int], int]

@@ -138,25 +138,12 @@ def list_schedule(trees: ExpressionTrees) -> list[list[int]]:
     return batches
 
 
-def batch(
-    program: Program, kernel: Kernel, constants: Mapping[int, int], base: int
-) -> RolledKernel:
-    """The kernel in batches.
+class Batching:
+    """The trees of a kernel, their schedule, and the workspace.
 
-    Parameters
-    ----------
-    program, kernel
-        The kernel, and the program of its values.
-    constants
-        Value → slot in ``p``, of those that the kernel reads there instead of computing them.
-    base
-        The first slot of the workspace in ``p``.
+    `program` is that of its values, `constants` map values that it reads in ``p`` instead of
+    computing them to slots there, `base` is the first slot of the workspace.
     """
-    return _Batching(program, kernel, constants, base).batched()
-
-
-class _Batching:
-    """The trees of a kernel, their schedule, and the workspace."""
 
     def __init__(
         self, program: Program, kernel: Kernel, constants: Mapping[int, int], base: int
@@ -165,10 +152,9 @@ class _Batching:
         self.sequence = OperationSequence(program, kernel, constants)
         self.trees = ExpressionTrees(self.sequence, kernel)
         self.workspace = Workspace(self.sequence, kernel, base)
-        self.labels = {label.value: label for label in kernel.labels}
 
-    def batched(self) -> RolledKernel:
-        """The parts, the checks and what is returned."""
+    def rolled(self) -> RolledKernel:
+        """The kernel in batches."""
         schedule = list_schedule(self.trees)
         space, numbers = self.workspace, self.sequence.numbers
         space.need_results(self.kernel.outputs)
@@ -178,9 +164,7 @@ class _Batching:
         parts: list[Part | Batches] = [*space.copies_of_leaves()]
         parts += [self._batches(runs) for runs in _shares(schedule)]
         parts += space.copies_of_outputs(o for o in self.kernel.outputs if o.array != "return")
-        returned = [out for out in self.kernel.outputs if out.array == "return"]
-        result = space.first(returned[0].value) if returned else None
-        return RolledKernel(tuple(parts), space.watch(), result, space.size)
+        return space.rolled(parts)
 
     def _batches(self, runs: list[list[int]]) -> Batches:
         rows: dict[int, list[int]] = {}  # trees of each kind, in the order of the runs
@@ -205,8 +189,8 @@ class _Batching:
             if home == TIME or (home == NUMBER and len(set(column)) == 1):
                 body.append(one)
                 continue
-            name = one.literal.name if isinstance(one.literal, Input) else self._label(column[0])
             operands.append(self.workspace.operand(column))
+            name = self.workspace.name(column[0])
             body.append(Value(Op.INPUT, literal=Input("", len(operands) - 1, name)))
         places = np.array([tree.places for tree in chosen])
         numbers: Slots = self.sequence.numbers[places]
@@ -219,9 +203,6 @@ class _Batching:
             body.append(Value(value.op, args, value.literal, value.serves))
         store = Store("p", self.workspace.slots[numbers[:, -1]], len(body) - 1)
         return Part(len(trees), tuple(body), tuple(operands), (store,))
-
-    def _label(self, number: int) -> str:
-        return self.labels[number].name if number in self.labels else ""
 
 
 def _shares(schedule: list[list[int]]) -> list[list[list[int]]]:

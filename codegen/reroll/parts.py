@@ -121,6 +121,7 @@ class Workspace:
     def __init__(self, sequence: OperationSequence, kernel: Kernel, base: int) -> None:
         """`base`: the first slot."""
         self.sequence, self.kernel, self.base = sequence, kernel, base
+        self.labels = {label.value: label.name for label in kernel.labels}
         self.needed = np.zeros(len(sequence.program.values), dtype=bool)
         # value → its slot, -1 where it has none
         self.slots: Slots = np.full(len(self.needed), -1, dtype=np.int64)
@@ -189,6 +190,11 @@ class Workspace:
         assert isinstance(operand, Entries)
         return operand
 
+    def name(self, number: int) -> str:
+        """What an operand is called: as an input, or as the value of another part."""
+        literal = self.sequence.program.values[number].literal
+        return literal.name if isinstance(literal, Input) else self.labels.get(number, "")
+
     def copies_of_leaves(self) -> list[Part]:
         """Parts that copy the leaves to their slots."""
         return self._copies([(k, "p", int(self.slots[k])) for k in self.leaves])
@@ -211,17 +217,20 @@ class Workspace:
             parts.append(Part(len(slots), body, (self.operand(numbers),), (store,)))
         return parts
 
-    def watch(self) -> Watch | None:
-        """The checks on pivots, where the kernel has any."""
-        checks = self.kernel.checks
-        if not self.kernel.watched:
-            return None
-        return Watch(
-            np.array([self._slot(check.pivot) for check in checks], dtype=np.int64),
-            np.array([self._slot(check.reference) for check in checks], dtype=np.int64),
-            np.array([check.part for check in checks]),
-            np.array([1 + check.constraint for check in checks], dtype=np.int64),
-        )
+    def rolled(self, parts: Iterable[Part | Batches]) -> RolledKernel:
+        """The kernel in these parts, its checks on pivots and what it returns."""
+        kernel, watch = self.kernel, None
+        returned = [self.first(out.value) for out in kernel.outputs if out.array == "return"]
+        if kernel.watched:
+            rows = [
+                (self._slot(check.pivot), self._slot(check.reference), 1 + check.constraint)
+                for check in kernel.checks
+            ]
+            pivots, references, constraints = np.array(rows, np.int64).reshape(-1, 3).T.copy()
+            part = np.array([check.part for check in kernel.checks])
+            watch = Watch(pivots, references, part, constraints)
+        result = returned[0] if returned else None
+        return RolledKernel(tuple(parts), watch, result, self.size)
 
     def _slot(self, number: int) -> int:
         constants = self.sequence.constants

@@ -48,25 +48,12 @@ Column = int | Outside | FromTurnBefore
 """A column of operands: a position in the body, or what comes from outside."""
 
 
-def reroll(
-    program: Program, kernel: Kernel, constants: Mapping[int, int], base: int
-) -> RolledKernel:
-    """The kernel in parts.
+class Rerolling:
+    """The stretches of a kernel, the operands of their bodies, and the workspace.
 
-    Parameters
-    ----------
-    program, kernel
-        The kernel, and the program of its values.
-    constants
-        Value → slot in ``p``, of those that the kernel reads there instead of computing them.
-    base
-        The first slot of the workspace in ``p``.
+    `program` is that of its values, `constants` map values that it reads in ``p`` instead of
+    computing them to slots there, `base` is the first slot of the workspace.
     """
-    return _Rerolling(program, kernel, constants, base).rolled()
-
-
-class _Rerolling:
-    """The stretches of a kernel, the operands of their bodies, and the workspace."""
 
     def __init__(
         self, program: Program, kernel: Kernel, constants: Mapping[int, int], base: int
@@ -80,7 +67,6 @@ class _Rerolling:
         self.stretches = self._cut([piece for pieces in unrolled for piece in pieces])
         self.columns = [self._columns(s) for s in self.stretches]
         self.workspace = Workspace(seq, kernel, base)
-        self.labels = {label.value: label for label in kernel.labels}
 
     def _cut(self, found: Sequence[Stretch]) -> list[Stretch]:
         """The stretches with turns that stand by themselves where they must."""
@@ -197,7 +183,7 @@ class _Rerolling:
     # -- parts -------------------------------------------------------------------------------
 
     def rolled(self) -> RolledKernel:
-        """The parts, the checks and what is returned."""
+        """The kernel in parts."""
         written = [out for out in self.kernel.outputs if out.array != "return"]
         stores, others = self._stores_of_bodies(written)
         returned = [out for out in self.kernel.outputs if out.array == "return"]
@@ -208,8 +194,7 @@ class _Rerolling:
         for s, columns, own in zip(self.stretches, self.columns, stores, strict=True):
             parts.append(self._part(s, columns, own))
         parts += space.copies_of_outputs(others)
-        result = space.first(returned[0].value) if returned else None
-        return RolledKernel(tuple(parts), space.watch(), result, space.size)
+        return space.rolled(parts)
 
     def _stores_of_bodies(
         self, outputs: Sequence[Output]
@@ -245,12 +230,12 @@ class _Rerolling:
                 leaves.append(fixed)
                 continue
             if isinstance(column, FromTurnBefore):
-                called = self._name(int(turns[0, column.position]))
+                called = self.workspace.name(int(turns[0, column.position]))
                 operands.append(
                     Carried(column.position + shift, self.workspace.first(column.first))
                 )
             else:
-                called = self._name(column.numbers[min(1, s.turns - 1)])
+                called = self.workspace.name(column.numbers[min(1, s.turns - 1)])
                 operands.append(self.workspace.operand(column.numbers))
             leaves.append(Value(Op.INPUT, literal=Input("", len(operands) - 1, called)))
         body, slots_of = list(leaves), self.workspace.slots
@@ -263,9 +248,9 @@ class _Rerolling:
             if slots_of[numbers[0]] >= 0:
                 kept.append(Store("p", slots_of[numbers], position + shift))
         labels = tuple(
-            Label(position + shift, self.labels[number].name)
+            Label(position + shift, self.workspace.labels[number])
             for position, number in enumerate(sample)
-            if number in self.labels
+            if number in self.workspace.labels
         )
         span = self._served(turns[0].tolist()), self._served(turns[-1].tolist())
         return Part(s.turns, tuple(body), tuple(operands), tuple(kept), labels, span)
@@ -279,15 +264,6 @@ class _Rerolling:
 
     def _served(self, numbers: Sequence[int]) -> str:
         return next((v.serves for k in numbers if (v := self.values[k]).serves), "")
-
-    def _name(self, number: int) -> str:
-        """What an operand is called: as an input, or as the value of another part."""
-        literal = self.values[number].literal
-        if isinstance(literal, Input):
-            return literal.name
-        if number in self.labels:
-            return self.labels[number].name
-        return ""
 
 
 def with_affine_accesses(s: Stretch, columns: Sequence[tuple[Slots, Slots]]) -> list[Stretch]:

@@ -16,8 +16,14 @@ from runtime.dynamics.connected_simulation import simulate
 from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.simulation import run_prepared
-from runtime.integrate.problem import Correction, Formulation, Options
-from runtime.integrate.trajectory import Partitions, Statistics, Trajectory
+from runtime.integrate.problem import (
+    Correction,
+    Formulation,
+    Options,
+    Partitions,
+    Statistics,
+    Trajectory,
+)
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import Description

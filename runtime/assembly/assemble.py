@@ -260,18 +260,13 @@ def _report(
 ) -> Assembly:  # fmt: skip
     """What was assembled, and what became of the start."""
     coordinates, table = equations.description.coordinates, equations.description.constraints
-    moved: list[Moved] = []
     before, after = np.array([start.q, start.v]), np.array([q, v])
-    least = MOVED * scale * np.maximum(1.0, np.abs(after))
-    far = np.abs(after - before) > least
-    for k in np.flatnonzero(far.any(axis=0)).tolist():
-        row = coordinates[k]
-        names = (row.name, row.unit), (row.velocity, row.velocity_unit)
-        for (name, unit), apart, asked, reached in zip(
-            names, far[:, k], before[:, k].tolist(), after[:, k].tolist(), strict=True
-        ):
-            if apart:
-                moved.append(Moved(name, asked, reached, unit))
+    far = np.abs(after - before) > MOVED * scale * np.maximum(1.0, np.abs(after))
+    moved = []
+    for k, i in np.argwhere(far.T).tolist():
+        row, asked, reached = coordinates[k], float(before[i, k]), float(after[i, k])
+        name, unit = (row.velocity, row.velocity_unit) if i else (row.name, row.unit)
+        moved.append(Moved(name, asked, reached, unit))
     redundant = {}
     for k, sources in findings.lasting:
         origins = tuple(sorted({table[source].element for source in sources}))

@@ -56,12 +56,11 @@ _WIDE = 1e-2  # measured: or this singular value, with which it has
 _FARTHEST = 1.0  # safety: scaled length of a trace
 
 
-class Continuation:
+class Continuation(ContinuationState):
     """One continuation through `times` from an assembled start; call `run` once."""
 
     def __init__(self, equations: Equations, times: FloatArray, start: Assembly) -> None:
-        self.equations, self.state = equations, ContinuationState(equations, times, start)
-        self.scale = self.state.scale
+        super().__init__(equations, times, start)
         self.constraints = equations.scaled(self.scale, equations.independent)
         self.positions = SingularPositions(self.constraints)
         self.awaited: Singularity | None = None
@@ -74,11 +73,10 @@ class Continuation:
 
         At some instants and one position, since most laws of time do not depend on q.
         """
-        state, equations = self.state, self.equations
-        ends = state.began, float(state.times[0]), float(state.times[-1])
+        equations, ends = self.equations, (self.began, *map(float, self.times[[0, -1]]))
         seen = np.concatenate([np.linspace(*pair, _SEEN) for pair in pairwise(ends)])
-        lengths = row_lengths(equations.jacobian(seen[0], state.q) * self.scale)
-        rates = [np.linalg.norm(equations.velocity_rhs(t, state.q) / lengths) for t in seen]
+        lengths = row_lengths(equations.jacobian(seen[0], self.q) * self.scale)
+        rates = [np.linalg.norm(equations.velocity_rhs(t, self.q) / lengths) for t in seen]
         return max([1e-3, *(float(rate) for rate in rates if np.isfinite(rate))])
 
     def run(self, progress: Progress) -> tuple[Outcome, str]:
@@ -87,21 +85,21 @@ class Continuation:
             return self._run(progress, signals)
 
     def _run(self, progress: Progress, signals: SignalDeferral) -> tuple[Outcome, str]:
-        state, farthest, idle = self.state, (-1, 0.0), 0
-        while not state.finished:
+        farthest, idle = (-1, 0.0), 0
+        while not self.finished:
             if signals.arrived:
                 signals.answered, outcome = True, Outcome.INTERRUPTED
-                text = f"Stopped at t = {state.t:.9g} s. {outcome.meaning} {outcome.advice}"
+                text = f"Stopped at t = {self.t:.9g} s. {outcome.meaning} {outcome.advice}"
                 return outcome, text
-            status = state.advance()
-            progress(abs(state.t - state.began) / state.span)
-            taken = int(state.record.steps + state.record.rejected)
-            if taken >= _MOST_STEPS and not state.finished:
+            status = self.advance()
+            progress(abs(self.t - self.began) / self.span)
+            taken = int(self.record.steps + self.record.rejected)
+            if taken >= _MOST_STEPS and not self.finished:
                 return Outcome.MAX_STEPS, self._too_far(taken)
             if status == DONE:
                 continue
-            state.sample()
-            place = state.mark, state.ahead * state.t
+            self.sample()
+            place = self.mark, self.ahead * self.t
             farthest, idle = (place, 0) if place > farthest else (farthest, idle + 1)
             if idle > _PATIENCE:
                 return Outcome.SINGULAR, self._unclear()
@@ -116,23 +114,23 @@ class Continuation:
 
     def _judge(self, suspect: bool) -> tuple[Outcome, str] | None:
         """Find why the predictor-corrector stopped, and continue; or return the end of the run."""
-        state, r = self.state, self.state.record
-        t, ahead, speed = state.t, state.ahead, state.speed
+        r = self.record
+        t, ahead, speed = self.t, self.ahead, self.speed
         stretch = abs(float(r.end) - t) if suspect else _ABOUT / speed
         guess = ahead * stretch * float(r.zero) if suspect else 0.0
-        found = self.positions.find(taylor(t, state.q, state.v, state.a), guess)
+        found = self.positions.find(taylor(t, self.q, self.v, self.a), guess)
         if found is not None and not self._on_the_way(found, ahead, stretch):
             found = None
-        rounding = _ROUNDING * float(np.abs(state.q / self.scale).max(initial=1.0))
+        rounding = _ROUNDING * float(np.abs(self.q / self.scale).max(initial=1.0))
         if found is not None and found.gap <= rounding:
             known = self.awaited is not None and abs(self.awaited.t - found.t) * speed < 1e-6
             if suspect and known and (r.barrier - t) * ahead > 0.0:
                 r.step = 0.25 * stretch  # it strayed on the way there
                 return None
             self.awaited = found
-            state.return_to_good()
+            self.return_to_good()
             r.step = max(r.step, _ABOUT / speed)
-            t, ahead = state.t, state.ahead
+            t, ahead = self.t, self.ahead
             barrier = found.t - ahead * 2.0 * DISTANCE / max(found.rate, found.speed)
             if (barrier - t) * ahead > 0.0:
                 r.barrier = barrier
@@ -149,7 +147,7 @@ class Continuation:
         Near a fold the motion is so fast that time hardly tells: it must not take part in what is
         lost.
         """
-        way = ahead * (found.t - self.state.t)
+        way = ahead * (found.t - self.t)
         room = 1e-3 / found.speed
         if not (found.rate > 0.0 and -room < way < 1.5 * stretch + room):
             return False
@@ -159,8 +157,8 @@ class Continuation:
 
     def _cross(self, found: Singularity) -> tuple[Outcome, str] | None:
         """Cross a branch point with continuous velocity; end where the branch is undecided."""
-        state, equations = self.state, self.equations
-        coming = state.v + (found.t - state.t) * state.a
+        equations = self.equations
+        coming = self.v + (found.t - self.t) * self.a
         t, q = found.t, found.q
         choices = self._deficiency(t, q).branches(coming)
         if choices:
@@ -172,41 +170,41 @@ class Continuation:
         zone = None
         if choices and (len(choices) == 1 or choices[0].far < _NEARER * choices[1].far):
             zone = interpolate_branch(equations, t, q, choices, self.scale, found.rate)
-        if zone is not None and zone.holds(state.t):
-            off = np.linalg.norm((zone.at(state.t)[0] - state.q) / self.scale)
+        if zone is not None and zone.holds(self.t):
+            off = np.linalg.norm((zone.at(self.t)[0] - self.q) / self.scale)
             apart = distance_between(choices, self.scale)
-            if off > _NEARER * apart * abs(t - state.t) + 1e-9:
+            if off > _NEARER * apart * abs(t - self.t) + 1e-9:
                 zone = None
         if zone is None:
             return Outcome.SINGULAR, self._unclear()
-        entry = zone.t - state.ahead * _WITHIN * zone.reach
-        if not zone.holds(state.t) and (entry - state.t) * state.ahead > 0.0:
-            state.record.barrier = entry  # nearer than most: go there first
+        entry = zone.t - self.ahead * _WITHIN * zone.reach
+        if not zone.holds(self.t) and (entry - self.t) * self.ahead > 0.0:
+            self.record.barrier = entry  # nearer than most: go there first
             return None
         self.awaited = None
-        if state.cross(zone, np.sign(t - state.t) or state.ahead):
+        if self.cross(zone, np.sign(t - self.t) or self.ahead):
             self._record("crossing", t, q, choices[0].v)
         return None
 
     def begin(self, preferred: FloatArray) -> None:
         """Start in a singular configuration, on the branch nearest to `preferred` velocities."""
-        state, equations, scale = self.state, self.equations, self.scale
-        t, q = state.t, state.q.copy()
+        equations, scale = self.equations, self.scale
+        t, q = self.t, self.q.copy()
         choices = self._deficiency(t, q).branches(preferred)
-        position = self._describe("start", t, q, state.v)
+        position = self._describe("start", t, q, self.v)
         if not choices or is_ambiguous(choices, scale):
             raise classification.no_start(equations, position, choices)
-        state.v[:], state.a[:] = choices[0].v, choices[0].a
-        if (state.times == t).all():
-            state.q_out[:], state.v_out[:] = q, state.v
-            state.record.mark = len(state.times)
+        self.v[:], self.a[:] = choices[0].v, choices[0].a
+        if (self.times == t).all():
+            self.q_out[:], self.v_out[:] = q, self.v
+            self.record.mark = len(self.times)
         else:
-            found = self.positions.find(taylor(t, q, state.v, state.a), 0.0)
-            rate = state.speed if found is None else found.rate
+            found = self.positions.find(taylor(t, q, self.v, self.a), 0.0)
+            rate = self.speed if found is None else found.rate
             zone = interpolate_branch(equations, t, q, choices, scale, rate)
             if zone is None:
                 raise classification.no_start(equations, position, [])
-            state.cross(zone, state.ahead)
+            self.cross(zone, self.ahead)
         self.singular.append(position._replace(v=choices[0].v))
         self.notes += (
             f" Started in a singular position at t = {t:.6g} s, on the branch nearest to "
@@ -217,12 +215,12 @@ class Continuation:
 
     def _trace(self, missed: Singularity | None, end: float) -> tuple[Outcome, str] | None:
         """Follow the curve of positions by its arc length until Phi_q is regular beyond `end`."""
-        state, ahead, rate = self.state, self.state.ahead, self.pace
-        curve = Curve(self.constraints, state.t, state.q, rate)
-        along = ahead * np.append(state.v / self.scale, rate)
-        begin = curve.point(curve.z(state.t, state.q), along)
+        ahead, rate = self.ahead, self.pace
+        curve = Curve(self.constraints, self.t, self.q, rate)
+        along = ahead * np.append(self.v / self.scale, rate)
+        begin = curve.point(curve.z(self.t, self.q), along)
         if begin is None:
-            return self._stopped(state.t, state.q)
+            return self._stopped(self.t, self.q)
         wide = min(max(_REGAINED * curve.narrowness(begin), 1e-3), _WIDE)
 
         def free(point: Point) -> bool:
@@ -233,43 +231,41 @@ class Continuation:
         avoid = None if missed is None else curve.z(missed.t, missed.q)
         trace = curve.trace(begin, ahead, free, avoid)
         for piece in trace.pieces:
-            state.sample_piece(curve, piece, ahead)
-        state.record.steps += len(trace.pieces)
-        if state.finished:
+            self.sample_piece(curve, piece, ahead)
+        self.record.steps += len(trace.pieces)
+        if self.finished:
             return None
         point = trace.pieces[-1].end if trace.pieces else begin
         t, q = curve.position(point.z)
-        state.q[:], state.record.t = q, t
+        self.q[:], self.record.t = q, t
         if trace.lost:
             return self._stopped(t, q)
         if trace.folded:
-            state.v[:] = np.nan
-            found = self._record("lock-up", t, q, state.v)
+            self.v[:] = np.nan
+            found = self._record("lock-up", t, q, self.v)
             return Outcome.LOCKED, classification.lock_up(self.equations, found)
-        state.v[:] = curve.velocity(point)
-        state.resume(t, trace.pieces[-1].h / rate)
+        self.v[:] = curve.velocity(point)
+        self.resume(t, trace.pieces[-1].h / rate)
         self.awaited = None
         return None
 
     def _stopped(self, t: float, q: FloatArray) -> tuple[Outcome, str]:
         """The end where there is no fold: an element has no value, or no smooth motion leads on."""
-        message = classification.undefined(self.equations, t, self.state.ahead, q)
+        message = classification.undefined(self.equations, t, self.ahead, q)
         return Outcome.LOCKED, message or self._unclear()
 
     def _too_far(self, taken: int) -> str:
         """What the steps have come to, and what there still is to do."""
-        state = self.state
         return (
-            f"Stopped at t = {state.t:.9g} s. {Outcome.MAX_STEPS.meaning} In {taken} steps the "
-            f"motion was followed for {abs(state.t - state.began):.3g} s of {state.span:.3g} s; it "
-            f"goes {state.speed:.3g} times its own size in a second. Look for a driver that is too "
+            f"Stopped at t = {self.t:.9g} s. {Outcome.MAX_STEPS.meaning} In {taken} steps the "
+            f"motion was followed for {abs(self.t - self.began):.3g} s of {self.span:.3g} s; it "
+            f"goes {self.speed:.3g} times its own size in a second. Look for a driver that is too "
             "fast, or go on from there: give t_start= and, with guess=, the state reached."
         )
 
     def _unclear(self) -> str:
         """Record the present position as singular, and say why no motion leads on."""
-        state = self.state
-        return classification.unclear(self._record("unclear", state.t, state.q, state.v))
+        return classification.unclear(self._record("unclear", self.t, self.q, self.v))
 
     def _deficiency(self, t: float, q: FloatArray, least: int = 0) -> RankDeficiency:
         return RankDeficiency(self.equations, t, q, self.scale, least)
@@ -291,14 +287,13 @@ def follow(
     `preferred` are the start velocities that the user gave; they choose the branch at a singular
     start.
     """
-    continuation = Continuation(equations, times, start)
-    state = continuation.state
+    state = Continuation(equations, times, start)
     if state.weak or start.singular:
         # Here Phi_q determines neither the branch nor its curvature.
-        continuation.begin(preferred)
-    outcome, message = continuation.run(progress)
+        state.begin(preferred)
+    outcome, message = state.run(progress)
     done, r = state.mark, state.record
-    crossed = [row for row in continuation.singular if row.kind == "crossing"]
+    crossed = [row for row in state.singular if row.kind == "crossing"]
     stats: dict[str, float] = {
         "steps": int(r.steps),
         "rejected": int(r.rejected),
@@ -310,5 +305,5 @@ def follow(
         message = f"{counted(len(times), 'instant')} from t = {times[0]:g} to {times[-1]:g} s."
     elif done == 0 or state.t > times[done - 1]:
         t, q, v = np.append(t, state.t), np.vstack([q, state.q]), np.vstack([v, state.v])
-    message += continuation.notes + classification.crossings(crossed)
-    return DrivenMotion(t, q, v, outcome, message, stats, tuple(continuation.singular))
+    message += state.notes + classification.crossings(crossed)
+    return DrivenMotion(t, q, v, outcome, message, stats, tuple(state.singular))

@@ -12,7 +12,7 @@ import numpy as np
 
 from codegen.errors import AnalysisError
 from runtime.continuation.bifurcation_branches import SOLVED, Branch, RankDeficiency
-from runtime.integrate.trajectory import Crossing
+from runtime.integrate.problem import Crossing
 from runtime.linalg.rank_policy import LOST
 from runtime.mechanism.dense_equations import Equations, FloatArray, row_lengths
 from runtime.results.run_records import Kind, SingularPosition

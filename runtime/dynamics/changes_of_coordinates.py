@@ -9,7 +9,7 @@ over as well: what ends a run is an outcome in these.
 """
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -20,14 +20,21 @@ from runtime.core.outcomes import Outcome
 from runtime.core.system import System
 from runtime.core.workspace_rows import PARTITION
 from runtime.hybrid.step_limits import LEAST
-from runtime.integrate.checkpoints import Checkpoint, Snapshot, Watch, restore, snapshot
-from runtime.integrate.problem import Options, Passage, Problem, Stops
+from runtime.integrate.checkpoints import Checkpoint, Checkpoints, Snapshot, restore, snapshot
+from runtime.integrate.problem import (
+    Events,
+    Options,
+    Partitions,
+    Passage,
+    Problem,
+    Stops,
+    Trajectory,
+    refuse_misfits,
+)
 from runtime.integrate.recording_buffers import in_order
-from runtime.integrate.run import Progress, Run
+from runtime.integrate.run import Change, Progress, Run
 from runtime.integrate.run_state import COUNTS
 from runtime.integrate.step import Signal
-from runtime.integrate.trajectory import Events, Partitions, Trajectory
-from runtime.integrate.validation import check
 
 if TYPE_CHECKING:
     from runtime.dynamics.formulations import ReducedCoordinates
@@ -37,6 +44,7 @@ _AWAY = 4.0  # measured: steps to the next dead centre, without which it does no
 _LOOK_EVERY = 4  # measured: steps in all coordinates between two looks
 _PATIENCE = 16  # safety: steps in all coordinates after reduced equations fail, at first
 _GOING, _LEAVE, _OK = int(Signal.GOING), int(Signal.LEAVE), int(Outcome.OK)
+_KEPT = ("made", "start", "free", "largest", "until", "patience")  # by a checkpoint
 _FAILED = {
     Outcome.SINGULAR, Outcome.NEWTON_FAILED, Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL,
 }  # fmt: skip
@@ -50,12 +58,7 @@ class RunsSnapshot(NamedTuple):
     less: Snapshot | None
     whole: Snapshot | None
     reduced: bool  # whether the reduced coordinates are those of the present leg
-    made: tuple[float, Vector, Vector] | None  # state for which the run in these was made
-    start: tuple[float, Vector]
-    free: npt.NDArray[np.bool_]
-    largest: Vector
-    until: int
-    patience: int
+    rest: dict[str, Any]  # attributes of `Changes`
 
     @property
     def nbytes(self) -> int:
@@ -91,13 +94,19 @@ class Changes:
         self.until, self.patience = 0, _PATIENCE
 
     def run(
-        self, watch: Watch, kept: Checkpoint | None, known: tuple[float, Vector] | None,
+        self, change: Change, kept: Checkpoint | None, known: tuple[float, Vector] | None,
         progress: Progress | None,
     ) -> Trajectory:  # fmt: skip
         """The whole run, in all coordinates, or from a checkpoint on; see `Coordinates.run`."""
-        watch.change = self
+        if isinstance(change, Checkpoints):
+            change.state_of = lambda _: self.snapshot()
+
+        def changed(run: Run, code: int) -> tuple[Run, int]:
+            self.present, code = self._changed(run, code)
+            return change(self.present, code)
+
         self.present = self._begin() if kept is None else self._restored(kept.state, known)
-        return self._joined(self.present.execute(progress, watch, started=kept is not None))
+        return self._joined(self.present.execute(progress, changed, started=kept is not None))
 
     def _begin(self) -> Run:
         """The first run, in the coordinates that suit the start."""
@@ -110,11 +119,11 @@ class Changes:
 
     def _restored(self, place: RunsSnapshot, known: tuple[float, Vector] | None) -> Run:
         """The run of a checkpoint."""
-        self.start = known if known is not None and known[0] >= place.start[0] else place.start
-        self.free, self.largest = place.free, place.largest.copy()
-        self.until, self.patience = place.until, place.patience
-        if place.less is not None and place.made is not None:
-            restore(self._make_less(*place.made), place.less)
+        vars(self).update(place.rest)
+        if known is not None and known[0] >= self.start[0]:
+            self.start = known
+        if place.less is not None and self.made is not None:
+            restore(self._make_less(*self.made), place.less)
         if place.whole is not None:
             restore(self._make_whole(), place.whole)
         run = self.less if place.reduced else self.whole
@@ -124,17 +133,11 @@ class Changes:
     def snapshot(self) -> RunsSnapshot:
         """Where the runs stand."""
         less, whole = (None if run is None else snapshot(run) for run in (self.less, self.whole))
-        return RunsSnapshot(
-            less, whole, self.present is self.less, self.made, self.start, self.free,
-            self.largest.copy(), self.until, self.patience,
-        )  # fmt: skip
-
-    def __call__(self, run: Run, code: int) -> tuple[Run, int]:
-        """Change coordinates where that is due; see `runtime.integrate.run.Change`."""
-        self.present, code = self._changed(run, code)
-        return self.present, code
+        rest = {name: getattr(self, name) for name in _KEPT}
+        return RunsSnapshot(less, whole, self.present is self.less, rest)
 
     def _changed(self, run: Run, code: int) -> tuple[Run, int]:
+        """Change coordinates where that is due; see `runtime.integrate.run.Change`."""
         if run is self.whole:
             r = run.state.record
             free = r["plan"] == Plan.FREE and not r["lent"] and r["steps"] >= self.until
@@ -200,7 +203,7 @@ class Changes:
         if not self.largest.size:
             return True
         square, rate, size = self.reduced.squares(t, q, v, self.taken.ready.p)
-        np.fmax(self.largest, size, out=self.largest)
+        self.largest = np.fmax(self.largest, size)
         far = (square > least * self.largest) & (2.0 * square > -rate * ahead)
         return bool(far.all())
 
@@ -222,7 +225,7 @@ class Changes:
         return self.whole
 
     def _new_run(self, system: System, problem: Problem) -> Run:
-        check(system, problem, self.options)
+        refuse_misfits(problem, self.options)
         return Run(system, problem, self.options)
 
     def _stops_of_all(self, stops: Stops | None) -> Stops | None:

@@ -120,7 +120,7 @@ def follow(
             _end_at_change(results[-1], Outcome.INCONSISTENT, f"{change} {error}")
             return
         if none_left and run.outcome is Outcome.OK and not run.ended_by:
-            run.samples = Samples._make(array[:0] for array in run.samples)
+            run.samples = run.samples.at(slice(0))
             run.works = {name: work[:0] for name, work in run.works.items()}
         results.append(run)
         changes.append(change)
@@ -132,7 +132,7 @@ def _end_at_change(run: Result, outcome: Outcome, message: str) -> None:
     assert end is not None
     if motion is not None and (not len(run.t) or run.t[-1] < end.state.t):
         row, works = motion.at(run, np.array([end.state.t]))
-        run.samples = Samples._make(map(np.concatenate, zip(run.samples, row, strict=True)))
+        run.samples = Samples.joined([run.samples, row])
         run.works = {name: np.append(work, works[name]) for name, work in run.works.items()}
     run.outcome, run.message = outcome, message
 
@@ -252,17 +252,15 @@ def joined(
         rows = np.ones(len(one.t), np.bool_)
         rows[:1] = not (len(one.t) and float(one.t[0]) in ends)
         ends.update(one.t[-1:].tolist())
-        samples = Samples._make(array[rows] for array in one.samples)
-        parts.append((one, samples, {name: work[rows] for name, work in one.works.items()}))
+        parts.append(
+            (one, one.samples.at(rows), {name: work[rows] for name, work in one.works.items()})
+        )
     names = dict.fromkeys(name for one in results for name in one.works)
     samples, works = _one_after_another(parts, description, names)
-    last, stats = (
-        results[-1],
-        {
-            name: (max if name in _LARGEST else sum)(one.stats.get(name, 0) for one in results)
-            for name in results[0].stats
-        },
-    )
+    last, stats = results[-1], dict[str, float]()
+    for name in results[0].stats:
+        counts = [one.stats.get(name, 0) for one in results]
+        stats[name] = max(counts) if name in _LARGEST else sum(counts)
     own, all_steps = (f" in {counted(int(n['steps']), 'step')}." for n in (last.stats, stats))
     end = last.message.replace(own, all_steps, 1)
     values = {name: value for one in results for name, value in one.parameters.items()}
@@ -318,8 +316,9 @@ def _one_after_another(
         works.append({name: total + found.get(name, none) for name, total in before.items()})
         for name, work in one.work_at_end.items():
             before[name] += work
-    together = Samples._make(map(np.concatenate, zip(*tables, strict=True)))
-    return together, {name: np.concatenate([work[name] for work in works]) for name in before}
+    return Samples.joined(tables), {
+        name: np.concatenate([work[name] for work in works]) for name in before
+    }
 
 
 def _in_tables(own: Description, description: Description, samples: Samples) -> Samples:
@@ -384,7 +383,7 @@ class JoinedMotion:
         for one, motion in zip(self.results, self._motions, strict=True):
             high = motion.span[1] if one is not self.results[-1] else np.inf
             here, low = times[(times > low) & (times <= high)], high
-            none: Found = Samples._make(array[:0] for array in one.samples), {}
+            none: Found = one.samples.at(slice(0)), {}
             parts.append((one, *(motion.at(one, here) if len(here) else none)))
         return _one_after_another(parts, self.description, result.works)
 

@@ -5,18 +5,23 @@ from dataclasses import replace
 import numpy as np
 
 from codegen.errors import InputError
-from runtime.assembly.substitute_kernels import projection_only, suited_equations
+from runtime.assembly.redundancy import projection_only, suited_equations
 from runtime.core.system import System
 from runtime.dynamics.changes_of_coordinates import Changes
 from runtime.dynamics.controllers import remembered
 from runtime.dynamics.prepared_simulation import PreparedSimulation
-from runtime.integrate.checkpoints import Checkpoint, Watch, restore
+from runtime.integrate.checkpoints import Checkpoint, restore
 from runtime.integrate.method import IMPLICIT
-from runtime.integrate.problem import Correction, Formulation, Options, Problem
+from runtime.integrate.problem import (
+    Correction,
+    Formulation,
+    Options,
+    Problem,
+    Trajectory,
+    refuse_misfits,
+)
 from runtime.integrate.recording_buffers import in_order
-from runtime.integrate.run import Progress, Run
-from runtime.integrate.trajectory import Trajectory
-from runtime.integrate.validation import check
+from runtime.integrate.run import Change, Progress, Run
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.typical_sizes import measure_mobility
 
@@ -41,14 +46,14 @@ class Coordinates:
         raise NotImplementedError
 
     def run(
-        self, options: Options, watch: Watch, kept: Checkpoint | None = None,
+        self, options: Options, change: Change, kept: Checkpoint | None = None,
         known: tuple[float, FloatArray] | None = None, progress: Progress | None = None, *,
         again: bool = True,
     ) -> Trajectory:  # fmt: skip
         """The run from a checkpoint, None: its start; in all coordinates.
 
-        `watch` decides how far it goes. Where it is made `again`, it has the same steps, samples of
-        its own, and the answers that a user's functions gave. `known` is a state that it passed,
+        `change` decides how far it goes. Where it is made `again`, it has the same steps, samples
+        of its own, and the answers that a user's functions gave. `known` is a state that it passed,
         in all coordinates: angles are followed from there.
         """
         begin = self.begin
@@ -56,11 +61,11 @@ class Coordinates:
         if again:
             problem = replace(problem, controllers=remembered(problem.controllers))
         else:
-            check(self.system, problem, options)
+            refuse_misfits(problem, options)
         run = Run(self.system, problem, options)
         if kept is not None:
             restore(run, kept.state)
-        path = run.execute(progress, watch, started=kept is not None)
+        path = run.execute(progress, change, started=kept is not None)
         return replace(path, events=in_order(path.events, path.final_t, self.system.rigid))
 
 
@@ -123,12 +128,12 @@ class ReducedCoordinates(Coordinates):
         )  # fmt: skip
 
     def run(
-        self, options: Options, watch: Watch, kept: Checkpoint | None = None,
+        self, options: Options, change: Change, kept: Checkpoint | None = None,
         known: tuple[float, FloatArray] | None = None, progress: Progress | None = None, *,
         again: bool = True,
     ) -> Trajectory:  # fmt: skip
         """Past dead centres in all coordinates; no functions of a user's take part."""
-        return Changes(self, options).run(watch, kept, known, progress)
+        return Changes(self, options).run(change, kept, known, progress)
 
     def cartesian(self, method: str) -> CartesianCoordinates:
         """The machine's own coordinates, in which a run passes dead centres."""

@@ -16,9 +16,8 @@ from runtime.dynamics.formulations import Coordinates
 from runtime.dynamics.output_quantities import along_intervals, evaluate
 from runtime.dynamics.prepared_simulation import PreparedSimulation, discrete_state
 from runtime.integrate.checkpoints import Checkpoint, Checkpoints, Passed, Until
-from runtime.integrate.problem import Discrete, Options
+from runtime.integrate.problem import Discrete, Options, Trajectory
 from runtime.integrate.sampling import INTERVAL
-from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.mechanism import Mechanism
 from runtime.results.assembled_state import DiscreteState
@@ -101,14 +100,15 @@ class SimulatedMotion:
                 for name, total in totals.items():
                     works[name].append(known[name] + total[places])
             parts.append(self._evaluated(run, here))
-        joined = Samples._make(map(np.concatenate, zip(*parts, strict=True)))
-        return joined, {name: np.concatenate(pieces) for name, pieces in works.items()}
+        return Samples.joined(parts), {
+            name: np.concatenate(pieces) for name, pieces in works.items()
+        }
 
     def _retaken(
-        self, result: Result, kept: Checkpoint | None, options: Options, watch: Until
+        self, result: Result, kept: Checkpoint | None, options: Options, change: Until
     ) -> Trajectory:
         """The run from a checkpoint on, None: its start."""
-        return self.coordinates.run(options, watch, kept, self.known(result, kept))
+        return self.coordinates.run(options, change, kept, self.known(result, kept))
 
     def known(self, result: Result, kept: Checkpoint | None) -> tuple[float, FloatArray] | None:
         """The last sample up to a checkpoint, s, and all its coordinates."""

@@ -83,16 +83,30 @@ def read_conditions(description: Description, until: Any) -> tuple[OutputConditi
 def simulate_until(
     analyse: Callable[..., Result], conditions: tuple[OutputCondition, ...], given: dict[str, Any]
 ) -> Result:
-    """The run that ends where the first of the conditions begins to hold."""
-    kept = {name: _Kept(function) for name, function in (given.get("controllers") or {}).items()}
+    """The run that ends where the first of the conditions begins to hold.
+
+    In the second run controllers answer as in the first one: they may have a memory.
+    """
+    answers: dict[tuple[str, float], float] = {}
+    second = False
+
+    def kept(name: str, function: Callable[[Sample], float]) -> Callable[[Sample], float]:
+        def answer(sample: Sample) -> float:
+            if not second or (name, sample.t) not in answers:
+                answers[name, sample.t] = function(sample)
+            return answers[name, sample.t]
+
+        return answer
 
     def run(t_end: float, t_eval: Any) -> Result:
-        own = {"t_end": t_end, "t_eval": t_eval, "controllers": kept or given.get("controllers")}
-        result = analyse(**{**given, **own})
-        for function in kept.values():
-            function.answers_again = True
+        nonlocal second
+        result = analyse(**{**given, "t_end": t_end, "t_eval": t_eval})
+        second = True
         return result
 
+    if given.get("controllers"):
+        rows = given["controllers"].items()
+        given = given | {"controllers": {name: kept(name, function) for name, function in rows}}
     return run_until(run, conditions, given["t_end"], given.get("t_eval"))
 
 
@@ -119,19 +133,6 @@ def run_until(
     return result
 
 
-class _Kept:
-    """A controller of which the second run has the answers of the first: it may have a memory."""
-
-    def __init__(self, function: Callable[[Sample], float]) -> None:
-        self.function, self.answers, self.answers_again = function, dict[float, float](), False
-
-    def __call__(self, sample: Sample) -> float:
-        """The answer of the first run at the instant; else a new one."""
-        if not self.answers_again or sample.t not in self.answers:
-            self.answers[sample.t] = self.function(sample)
-        return self.answers[sample.t]
-
-
 def _first_to_begin(result: Result, since: float | None, ended: str) -> tuple[str, float] | None:
     """The condition of a run that begins to hold first, and where, s; None: none does."""
     if not len(result.t):
@@ -139,7 +140,10 @@ def _first_to_begin(result: Result, since: float | None, ended: str) -> tuple[st
     first = float(result.t[0]) if since is None else since
     if result.t[-1] <= first:
         return None
-    seen, found = _seen(result, first), []
+    # at so many instants that nothing it does is missed
+    count = int(np.clip(_A_STEP * result.stats.get("steps", 0), _LEAST, _MOST))
+    times = np.linspace(first, float(result.t[-1]), count + 1)
+    seen, found = result.at(np.union1d(times, result.t[result.t >= first])), []
     for one in (OutputCondition(*row) for row in result._until):
         holds = one.of(seen) > 0.0
         holds[0] |= one.name == ended
@@ -147,13 +151,6 @@ def _first_to_begin(result: Result, since: float | None, ended: str) -> tuple[st
         if len(begins):
             found.append((_located(result, one, seen.t, int(begins[0])), one.name))
     return min(found)[::-1] if found else None
-
-
-def _seen(result: Result, first: float) -> Result:
-    """A run from an instant on, s, at so many instants that nothing it does is missed."""
-    count = int(np.clip(_A_STEP * result.stats.get("steps", 0), _LEAST, _MOST))
-    times = np.linspace(first, float(result.t[-1]), count + 1)
-    return result.at(np.union1d(times, result.t[result.t >= first]))
 
 
 def _located(result: Result, condition: OutputCondition, t: FloatArray, row: int) -> float:

@@ -32,7 +32,7 @@ from runtime.core.jit import ADDRESSES, compiled, inner, unlocked
 from runtime.core.kinds import MIXED, OPEN, SLIDING
 from runtime.hybrid.filippov_shares import mix_reactions
 from runtime.hybrid.mode_consistency import count_sliding
-from runtime.hybrid.stiction_force import is_prescribed, set_unit
+from runtime.hybrid.rest_forces import is_prescribed, set_unit
 from runtime.integrate.sampling import INTERVAL, WEIGHTS
 from runtime.integrate.wiring import Wiring, wire
 from runtime.linalg.vectors import largest_magnitude
@@ -205,7 +205,7 @@ def integrate_works(result: Result, count: int, times: npt.ArrayLike | None) -> 
         work[:count:INTERVAL] = np.concatenate([[0.0], np.cumsum(pieces)])[: len(ends)]
         result.works[name] = work[kept]
         result.work_at_end[name] = float(pieces.sum())
-    result.samples = Samples._make(array[kept] for array in samples)
+    result.samples = samples.at(kept)
 
 
 @inner

@@ -22,8 +22,7 @@ from runtime.dynamics.controllers import Functions, controllers_of
 from runtime.dynamics.output_quantities import evaluate_samples
 from runtime.integrate.checkpoints import Checkpoints
 from runtime.integrate.clocks import queue_length, read_clocks, set_clocks
-from runtime.integrate.problem import Discrete, Options, Stops
-from runtime.integrate.trajectory import Trajectory
+from runtime.integrate.problem import Discrete, Options, Stops, Trajectory
 from runtime.integrate.wiring import begin_compiling
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism import Mechanism, Values
@@ -109,14 +108,6 @@ def _numbered(rows: Sequence[Row]) -> list[tuple[Row, int]]:
     return [(row, rows[:k].count(row)) for k, row in enumerate(rows)]
 
 
-def _begin_compiling(mechanism: Mechanism) -> None:
-    """Let a second process compile what a first run needs at its end, and the loop."""
-    description = mechanism.description
-    checks: list[Any] = [exceed_bound] if description.constraints else []
-    checks += [screen] if description.switches else []
-    begin_compiling(mechanism.system, [*checks, evaluate_samples])
-
-
 class PreparedSimulation:
     """The start of a simulation: state, parameters and typical sizes, the same for all its runs.
 
@@ -148,7 +139,10 @@ class PreparedSimulation:
         if isinstance(start, Assembly):
             begin = start
         else:
-            _begin_compiling(mechanism)  # beside what assembles
+            # Beside what assembles, a second process compiles the loop and what looks at its end.
+            checks: list[Any] = [exceed_bound] if mechanism.description.constraints else []
+            checks += [screen] if mechanism.description.switches else []
+            begin_compiling(mechanism.system, [*checks, evaluate_samples])
             t_start = t_start if state is None else state.t
             begin = assemble(equations, t_start, guess, given)
         self.given_t, goes_on = begin.t, length is not None

@@ -17,8 +17,8 @@ import numpy.typing as npt
 from codegen.errors import AnalysisError, InputError
 from codegen.object_display import counted
 from runtime.assembly.assemble import assemble
+from runtime.assembly.redundancy import redundancy_note, suited_equations
 from runtime.assembly.start_values import start_note, start_values
-from runtime.assembly.substitute_kernels import redundancy_note, suited_equations
 from runtime.continuation.driven_motion import follow
 from runtime.continuation.predictor_corrector import DrivenMotion
 from runtime.core.kinds import Direction
@@ -34,6 +34,7 @@ from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
 from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
+from runtime.results.motion_at_instants import Motion
 from runtime.results.result import Result
 from runtime.results.run_records import Event
 from runtime.validation.arguments import instants, parameter_values, require_masses
@@ -105,7 +106,7 @@ def inverse_dynamics(
 
 
 @dataclass(frozen=True)
-class DrivenMotionAtInstants:
+class DrivenMotionAtInstants(Motion):
     """The motion behind a result of kinematics or inverse dynamics."""
 
     mechanism: Mechanism
@@ -120,18 +121,9 @@ class DrivenMotionAtInstants:
         t, first, last = self.start.t, float(self.times[0]), float(self.times[-1])
         return min(t, first), max(t, last)
 
-    @property
-    def t_end(self) -> float:
-        """The last instant, s."""
-        return self.span[1]
-
     def scene(self, t: float) -> str:
         """The scene, whose joints act all the time."""
         return self.mechanism.description.scene
-
-    def clocks(self, result: Result, t: float) -> tuple[bool, None]:
-        """Nothing is sampled or watched in a motion that drivers prescribe."""
-        return False, None
 
     def at(self, result: Result, times: FloatArray) -> Found:
         """At ascending instants, (k,), of the span, s: followed again from the start."""

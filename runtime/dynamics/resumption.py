@@ -28,9 +28,8 @@ from runtime.dynamics.output_conditions import run_until
 from runtime.dynamics.prepared_simulation import PreparedSimulation, discrete_state
 from runtime.dynamics.simulation import run_prepared, simulate_joints
 from runtime.integrate.checkpoints import Checkpoint, Checkpoints
-from runtime.integrate.problem import STABILIZING
+from runtime.integrate.problem import STABILIZING, Events, Partitions, Trajectory
 from runtime.integrate.sampling import INTERVAL
-from runtime.integrate.trajectory import Events, Partitions, Trajectory
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.progress_bar import Progress, bar, silent
 from runtime.results.assembled_state import State

@@ -31,7 +31,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.object_display import counted
-from runtime.assembly.substitute_kernels import redundancy_note
+from runtime.assembly.redundancy import redundancy_note
 from runtime.continuation.singular_position_messages import describe_crossings
 from runtime.core.kinds import KNOTS
 from runtime.core.outcomes import Outcome
@@ -42,8 +42,7 @@ from runtime.dynamics.formulations import Coordinates, ReducedCoordinates, formu
 from runtime.dynamics.motion_at_instants import SimulatedMotion
 from runtime.dynamics.output_quantities import evaluate, integrate_works
 from runtime.dynamics.prepared_simulation import PreparedSimulation, discrete_state
-from runtime.integrate.problem import Correction, Formulation, Options
-from runtime.integrate.trajectory import Trajectory
+from runtime.integrate.problem import Correction, Formulation, Options, Trajectory
 from runtime.mechanism.dense_equations import Equations
 from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import Description
@@ -163,24 +162,10 @@ def note_repetition(result: Result, contradiction: str) -> None:
     )
 
 
-def _is_ended(description: Description, run: Trajectory) -> bool:
-    """Whether a condition ended a run, and no joint comes or goes there."""
-    return run.stopped_by >= 0 and not description.watched[run.stopped_by].reconnects
-
-
 def ends_early(description: Description, run: Trajectory) -> bool:
-    """Whether the last state of a run is one more sample."""
-    return run.outcome is not Outcome.OK or _is_ended(description, run)
-
-
-def _outputs(equations: Equations, run: Trajectory) -> Samples:
-    """Outputs at the samples; a run that stopped early gets its last state as one more."""
-    t, q, v, modes = run.t, run.q, run.v, run.modes
-    if ends_early(equations.description, run) and (len(t) == 0 or run.final_t > t[-1]):
-        t = np.append(t, run.final_t)
-        q, v = np.vstack([q, run.final_q]), np.vstack([v, run.final_v])
-        modes = np.vstack([modes, run.final_modes[None, :]])
-    return evaluate(equations, t, q, v, modes)
+    """Whether the last state of a run is one more sample: it failed, or a condition ended it."""
+    ended = run.stopped_by >= 0 and not description.watched[run.stopped_by].reconnects
+    return run.outcome is not Outcome.OK or ended
 
 
 def _result(
@@ -189,7 +174,12 @@ def _result(
 ) -> Result:  # fmt: skip
     """The result of a run, with its statistics, events and partitions."""
     begin, description, log = ready.begin, equations.description, run.events
-    samples = samples or _outputs(equations, run)
+    if samples is None:
+        t, q, v, modes = run.t, run.q, run.v, run.modes
+        if ends_early(description, run) and (len(t) == 0 or run.final_t > t[-1]):
+            t, modes = np.append(t, run.final_t), np.vstack([modes, run.final_modes])
+            q, v = np.vstack([q, run.final_q]), np.vstack([v, run.final_v])
+        samples = evaluate(equations, t, q, v, modes)
     stats = {_STATS.get(name, name): value for name, value in vars(run.statistics).items()} | {
         "method_changes": len(run.methods) - 1,
         "singular_crossings": len(run.crossings),
@@ -226,12 +216,13 @@ def _result(
     result.site = run.site.of(subject)
     if run.outcome in _LEAVING:
         name_left_tables(result, equations)
-    if _is_ended(description, run):
-        result.ended_by = description.watched[run.stopped_by].name
-    elif run.stopped_by >= 0:
+    ending = run.stopped_by
+    if ending >= 0 and not description.watched[ending].reconnects:
+        result.ended_by = description.watched[ending].name
+    elif ending >= 0:
         clocks = discrete_state(ready.mechanism, ready.p, run.discrete)
         state = State(*run.end, description.coordinates, discrete=clocks)
-        result.reconnection = Ending(run.stopped_by, state, ready.length)
+        result.reconnection = Ending(ending, state, ready.length)
     if run.outcome is Outcome.CONTRADICTED:
         result.contradiction = f"At t = {run.final_t:.9g} s it stopped. {run.note}"
     return result

@@ -28,18 +28,16 @@ from runtime.core import kernel_abi as abi
 from runtime.core.arrays import EPS, Context, Integers, Vector
 from runtime.core.jit import addressed, inner
 from runtime.core.kinds import FREE, SLIDING
-from runtime.hybrid.redundant_sliding import (
+from runtime.hybrid.rest_forces import (
+    choose_units,
+    enlarge_unit,
+    is_prescribed,
     is_unilateral,
     keep_resting,
     measure_forces,
     rest_mixed,
-    solve_least,
-)
-from runtime.hybrid.stiction_force import (
-    choose_units,
-    enlarge_unit,
-    is_prescribed,
     set_unit,
+    solve_least,
     write_forces,
 )
 from runtime.linalg.dense_elimination import solve_equilibrated

@@ -13,8 +13,7 @@ from runtime.core.jit import addressed, inner
 from runtime.core.kinds import FREE, ONE_WAY, SLIDING
 from runtime.hybrid import filippov_shares as shares
 from runtime.hybrid.filippov_shares import put_friction_on_law
-from runtime.hybrid.redundant_sliding import is_resting, solve_least
-from runtime.hybrid.stiction_force import is_prescribed
+from runtime.hybrid.rest_forces import is_prescribed, is_resting, solve_least
 from runtime.linalg.dense_elimination import solve_equilibrated
 from runtime.linalg.rank_policy import SAME_HOLD
 from runtime.linalg.vectors import axpy, copy_vector, largest_magnitude

@@ -10,7 +10,7 @@ from runtime.core.arrays import Context, Integers, Vector
 from runtime.core.jit import inlined, inner
 from runtime.core.kinds import BALANCED, CLOSED, SLIDING, Mode
 from runtime.core.state_derivative import evaluate_accelerations
-from runtime.hybrid.redundant_sliding import is_resting, rests
+from runtime.hybrid.rest_forces import is_resting, rests
 from runtime.hybrid.sliding_motion import UNBOUNDED, extrapolate
 
 CONSISTENT = -1

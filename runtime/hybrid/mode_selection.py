@@ -24,7 +24,7 @@ from runtime.core.kinds import BALANCED, KNOTS, MIXED, ONE_WAY, SLIDING
 from runtime.core.state_derivative import evaluate_accelerations
 from runtime.hybrid import mode_consistency as consistency
 from runtime.hybrid.impact import ON_SURFACE
-from runtime.hybrid.redundant_sliding import is_unilateral, rests
+from runtime.hybrid.rest_forces import is_unilateral, rests
 from runtime.hybrid.sliding_motion import compute_margin
 from runtime.linalg.vectors import copy_vector, largest_magnitude
 

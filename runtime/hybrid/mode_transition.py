@@ -17,7 +17,7 @@ from runtime.hybrid import mode_consistency as consistency
 from runtime.hybrid import sliding_motion as switching
 from runtime.hybrid.impact import ON_SURFACE, SLOW
 from runtime.hybrid.mode_selection import prefer_released, set_preferences, surface_band
-from runtime.hybrid.redundant_sliding import rests, share_freedom
+from runtime.hybrid.rest_forces import rests, share_freedom
 from runtime.linalg.vectors import copy_vector, is_finite, largest_magnitude
 
 _CONTINUOUS = 1e-3  # safety: ratio of responses on a surface and beside it; of a jump it is 1

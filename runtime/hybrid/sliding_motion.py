@@ -19,8 +19,7 @@ from runtime.core.kinds import SLIDING
 from runtime.core.state_derivative import write_derivative
 from runtime.hybrid import filippov_shares as shares
 from runtime.hybrid.filippov_shares import put_friction_on_law
-from runtime.hybrid.redundant_sliding import is_resting
-from runtime.hybrid.stiction_force import write_forces
+from runtime.hybrid.rest_forces import is_resting, write_forces
 from runtime.linalg.vectors import axpy, copy_vector, largest_ratio
 
 STEP, TIME_SCALE = 0, 1  # places in SETTINGS: the length of the step, s; τ of Baumgarte's method, s

@@ -7,8 +7,8 @@ any instant is then the run from the checkpoint before it, with the samples that
 
 import time
 from bisect import bisect_left
-from collections.abc import Sequence
-from typing import Any, NamedTuple, Protocol
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -93,43 +93,21 @@ class Checkpoint(NamedTuple):
     state: Any  # a `Snapshot`, or what changes of coordinates make of those of their runs
 
 
-class Keeper(Protocol):
-    """What changes the coordinates of a run."""
-
-    def __call__(self, run: Run, code: int) -> tuple[Run, int]:
-        """A `Change`."""
-
-    def snapshot(self) -> Any:
-        """The state of all its runs, which tells its `nbytes`, and its `longest` step."""
-
-
-class Watch(Protocol):
-    """A `Change` that looks at a run, after the change of its coordinates, if any."""
-
-    change: Keeper | None
-
-    def __call__(self, run: Run, code: int) -> tuple[Run, int]:
-        """A `Change`."""
-
-
 class Checkpoints:
-    """The checkpoints of one run, in order of time; the `Watch` that makes them."""
+    """The checkpoints of one run, in order of time; the `Change` that makes them."""
 
     def __init__(self, rows: Sequence[Checkpoint] = (), spacing: float = 0.0) -> None:
-        self.change: Keeper | None = None
+        self.state_of: Callable[[Run], Any] = snapshot  # what a checkpoint keeps
         self.rows = list(rows)
         self.spacing, self.bytes = max(spacing, _SPACING), sum(row.state.nbytes for row in rows)
         self.due = time.perf_counter() + self.spacing
 
     def __call__(self, run: Run, code: int) -> tuple[Run, int]:
         """Make a checkpoint where the last one was made long ago."""
-        if self.change is not None:
-            run, code = self.change(run, code)
         if code == _GOING and time.perf_counter() >= self.due:
             r = run.state.record
             if r["plan"] == Plan.FREE and not r["lent"]:
-                kept = snapshot(run) if self.change is None else self.change.snapshot()
-                self._add(Checkpoint(float(r["t"]), kept))
+                self._add(Checkpoint(float(r["t"]), self.state_of(run)))
         return run, code
 
     def _add(self, row: Checkpoint) -> None:
@@ -158,23 +136,18 @@ class Checkpoints:
 
 
 class Until:
-    """A `Watch` that ends a run as soon as it has passed an instant, s."""
+    """A `Change` that ends a run as soon as it has passed an instant, s."""
 
     def __init__(self, last: float) -> None:
         self.last = last
-        self.change: Keeper | None = None
 
     def __call__(self, run: Run, code: int) -> tuple[Run, int]:
-        """What the other change says, unless the instant lies behind."""
-        if self.change is not None:
-            run, code = self.change(run, code)
-        if code == _GOING and run.state.record["t"] >= self.last:
-            code = _OK
-        return run, code
+        """OK in the place of going on, where the instant lies behind."""
+        return run, _OK if code == _GOING and run.state.record["t"] >= self.last else code
 
 
 class Passed(Until):
-    """A `Watch` that ends a run behind an instant, s, and knows where its clocks stood there.
+    """A `Change` that ends a run behind an instant, s, and knows where its clocks stood there.
 
     It has to be called after every step.
     """
@@ -185,8 +158,7 @@ class Passed(Until):
         self.stand: Discrete | None = None
 
     def __call__(self, run: Run, code: int) -> tuple[Run, int]:
-        """What the other change says, unless the instant lies behind."""
-        run, code = super().__call__(run, code)
+        """As `Until`."""
         if run.state.record["t"] <= self.passed:
             self.stand = run.state.discrete
-        return run, code
+        return super().__call__(run, code)

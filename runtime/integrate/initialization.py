@@ -16,12 +16,10 @@ from runtime.core.workspace_rows import Y0, K, row_of, switch_row
 from runtime.hybrid.impact import ON_SURFACE
 from runtime.hybrid.mode_consistency import CONSISTENT
 from runtime.hybrid.mode_transition import LOOK_AHEAD, log_event
-from runtime.hybrid.redundant_sliding import is_unilateral
+from runtime.hybrid.rest_forces import find_jamming_friction, is_unilateral, suspend_friction
 from runtime.hybrid.sliding_motion import STEP, evaluate_switching_and_rates
-from runtime.hybrid.stiction_force import find_jamming_friction, suspend_friction
 from runtime.integrate.sampling import record
-from runtime.integrate.step_acceptance import LEAST_ERROR
-from runtime.integrate.step_to_event import copy_end
+from runtime.integrate.step_acceptance import LEAST_ERROR, copy_end
 from runtime.linalg.vectors import copy_vector, is_finite
 
 _BEGAN, _CEASED = int(Direction.BEGAN), int(Direction.CEASED)

@@ -17,8 +17,7 @@ from runtime.core.workspace_rows import Y0, Y1
 from runtime.hybrid.events import INSTANT, UNRESOLVED
 from runtime.integrate.sampling import has_room
 from runtime.integrate.step import Signal, TrialStep, reject
-from runtime.integrate.step_acceptance import accept_step, judge_events
-from runtime.integrate.step_to_event import end_at_event
+from runtime.integrate.step_acceptance import accept_step, end_at_event, judge_events
 
 _SHARE = 0.3  # measured: of the way to a configuration that is missed, which one step may cover
 WEAK_STATES = 3  # safety: accepted states in a row with a weak pivot that make a singular run

@@ -48,11 +48,7 @@ REGISTER = {
     "radau5": Registration("runtime.integrate.implicit.radau5", COLLOCATION, 5, implicit=True),
     "bdf": Registration("runtime.integrate.implicit.bdf", MULTISTEP, 5, implicit=True),
     "auto": Registration(
-        "runtime.integrate.implicit.stiffness_switching",
-        SWITCHING,
-        5,
-        implicit=True,
-        begins_with=LEADING,
+        "runtime.integrate.implicit.stiffness_switching", SWITCHING, 5, True, LEADING
     ),
 }
 METHODS = tuple(REGISTER)

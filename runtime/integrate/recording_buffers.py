@@ -8,8 +8,9 @@ import numpy as np
 from runtime.core.arrays import IntegerMatrix, Integers, Matrix, Vector
 from runtime.core.function_table_slots import EVENT_ROWS, OUT_ROWS, SAMPLE_TIMES
 from runtime.core.kinds import Direction
-from runtime.integrate.problem import Rows
-from runtime.integrate.trajectory import Events, Partitions
+from runtime.core.system import System
+from runtime.integrate.problem import Events, Options, Partitions, Rows
+from runtime.integrate.sampling import INTERVAL
 from runtime.integrate.wiring import Wiring, place
 
 _EVENT_ROWS = 64  # layout: events that fit between two returns to Python
@@ -50,29 +51,24 @@ class _Outlet(_Rows):
 
 
 class Recording:
-    """Samples, events and changes of the partition of one run, for which `wiring` receives room.
+    """Samples, events and changes of the partition of one run, for which `wiring` receives room."""
 
-    `t_eval` are the instants of the samples that are asked for, None: the end of every step;
-    `interval` the samples for each interval between steps' ends and `t_eval`, None: no quadrature.
-    Samples are handed to a `sink`, if there is one, in place of being kept.
-    """
-
-    def __init__(
-        self, wiring: Wiring, n: int, s: int, t_eval: Vector | None, interval: int | None = None,
-        sink: Rows | None = None,
-    ) -> None:  # fmt: skip
-        self.n, self.s, self.wiring, self.sink = n, s, wiring, sink
+    def __init__(self, wiring: Wiring, system: System, options: Options) -> None:
+        self.wiring, self.sink, t_eval = wiring, options.sink, options.t_eval
+        self.n, self.s = n, s = system.coordinates, system.switches
         self.record = wiring.arrays["record"][0]
-        self.fixed_size = t_eval is not None and interval is None and sink is None
+        given = t_eval is not None and not options.quadrature
+        self.fixed_size = given and self.sink is None
         self.window = max(_LEAST_WINDOW, _SINK_BYTES // (8 * (2 * n + s + 1)))
         self.taken = -1  # trial steps when a chunk began
-        self.interval = interval or 1
+        self.interval = INTERVAL if options.quadrature else 1  # samples of one
         self.log = wiring.arrays["log_times"], wiring.arrays["log_sets"]
         self.make_room_for_events(_EVENT_ROWS + 3 * s)
-        instants = np.zeros(0) if t_eval is None else t_eval
+        times = () if t_eval is None else t_eval
+        instants = np.ascontiguousarray(times, dtype=np.float64)
         self._place(SAMPLE_TIMES, instants.size, ("sample_times",), (instants,))
         self.instants, self.bytes = instants.size, 0  # bytes: of all parts of the run so far
-        self._allot(self.instants if self.fixed_size else _LEAST_WINDOW if sink else 1)
+        self._allot(self.instants if self.fixed_size else _LEAST_WINDOW if self.sink else 1)
         self.begin()
 
     def make_room_for_events(self, rows: int) -> None:

@@ -1,32 +1,36 @@
-"""Integrate the equations of motion: the Python face of the compiled loop."""
+"""A run: the Python face of the compiled loop."""
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
 from codegen.errors import AnalysisError
 from codegen.termination_signals import SignalDeferral
+from runtime.core import function_table_slots as ft
 from runtime.core.arrays import Integers, Vector
 from runtime.core.kinds import SLIDING, Direction
 from runtime.core.outcomes import Outcome, Site
 from runtime.core.system import System
 from runtime.core.workspace_rows import BAND, STRUCK
-from runtime.integrate import notes_on_outcomes as notes
+from runtime.hybrid.mode_selection import MOST_COMBINED
 from runtime.integrate.clocks import CLOCK
-from runtime.integrate.initialization import start
-from runtime.integrate.kinks import end_at_pole, pass_kink
+from runtime.integrate.initialization import start, start_anew
 from runtime.integrate.loop import advance
 from runtime.integrate.method import LEADING
-from runtime.integrate.problem import Options, Problem
-from runtime.integrate.recording_buffers import Recording, in_order
+from runtime.integrate.problem import (
+    MOST_STEPS,
+    Options,
+    Passage,
+    Problem,
+    Statistics,
+    Trajectory,
+)  # fmt: skip
+from runtime.integrate.recording_buffers import Recording
 from runtime.integrate.run_state import COUNTS, RunState
-from runtime.integrate.sampling import INTERVAL
-from runtime.integrate.singular_crossing.crossing import Crossings
+from runtime.integrate.sampling import STEP_ENDS
+from runtime.integrate.singular_crossings import Crossings
 from runtime.integrate.step import Signal
-from runtime.integrate.trajectory import Statistics, Trajectory
-from runtime.integrate.validation import check
 
 Progress = Callable[[float, int], None]
 """Called between chunks with the time reached and the steps taken."""
@@ -47,36 +51,17 @@ _STUCK = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
 _AT_ONE_SITE = {
     *(Outcome.OK, Outcome.MAX_STEPS, Outcome.MEMORY, Outcome.INTERRUPTED, Outcome.OUT_OF_RANGE),
 }
-_CLOSE = 1e-6  # safety: of the run; nearer to a lock-up, that is why it ends
+_CLOSE = 1e-6  # safety: of the run; nearer to a pole or a lock-up, that is why it ends
 
 
-def integrate(
-    system: System, problem: Problem, options: Options, progress: Progress | None = None,
-    change: Change | None = None,
-) -> Trajectory:  # fmt: skip
-    """Integrate an initial-value problem.
-
-    `progress` is called now and then with the time reached and the number of steps taken, `change`
-    as its type says. A `KeyboardInterrupt`, here or, after 128 steps, from the keyboard, ends the
-    run with what was computed; one from the keyboard before that, or in the last steps, is raised.
-    Raises InputError with everything that is wrong with the problem and its options.
-    """
-    check(system, problem, options)
-    path = Run(system, problem, options).execute(progress, change)
-    return replace(path, events=in_order(path.events, path.final_t, system.rigid))
-
-
-def initial_modes(
-    system: System, t: float, q: Vector, v: Vector, p: Vector, rtol: float = 1e-8
-) -> Integers:
+def initial_modes(system: System, t: float, q: Vector, v: Vector, p: Vector) -> Integers:
     """Modes (s,) at a state on the constraints: which switching conditions hold, or hold at once.
 
     1 where the condition holds, 0 where it does not; 2 where its function stays at zero: the motion
     slides on its surface, friction sticks, or a rigid contact is closed. Raises AnalysisError where
     no run starts from the state.
     """
-    problem = Problem(t, t + 1.0, q, v, p, np.ones(system.coordinates))
-    run = Run(system, problem, Options(rtol=rtol))
+    run = Run(system, Problem(t, t + 1.0, q, v, p, np.ones(system.coordinates)), Options())
     outcome = Outcome(run.start())
     if outcome is not Outcome.OK:
         raise AnalysisError(
@@ -91,11 +76,7 @@ class Run:
 
     def __init__(self, system: System, problem: Problem, options: Options) -> None:
         self.state = RunState(system, problem, options)
-        t_eval = options.t_eval
-        t_eval = None if t_eval is None else np.ascontiguousarray(t_eval, dtype=np.float64)
-        interval = INTERVAL if options.quadrature else None
-        n, s = system.coordinates, system.switches
-        self.recording = Recording(self.state.wiring, n, s, t_eval, interval, options.sink)
+        self.recording = Recording(self.state.wiring, system, options)
         self.crossings = Crossings(self.state, problem)
         self.first_t = float(problem.t0)
         self.controllers = problem.controllers
@@ -134,7 +115,7 @@ class Run:
                 self.state.record["site"] = Site.START_ASTRAY
         if code == Outcome.OK and self.state.system.watches and not self.state.record["resumed"]:
             before = self.state.modes.copy()
-            code = self.watch_start()
+            code = self._watch_start()
             changed = np.flatnonzero(self.state.modes != before)
             self.recording.replace_first(y.ravel(), changed, self.state.modes)
         self.recording.flush()
@@ -182,7 +163,7 @@ class Run:
                 if code < 0:
                     signals.begin()
                 if code == _KINK:
-                    code = pass_kink(run)
+                    code = run._pass_kink()
                 if code == _CHANGE:
                     run.state.change_method()
                     code = _GOING
@@ -204,12 +185,16 @@ class Run:
                 if change is not None:
                     run, code = change(run, code)
                 if code == _GOING and run.recording.bytes > run.state.options.max_bytes:
-                    code, run.note = int(Outcome.MEMORY), notes.memory_note(run.recording)
+                    code, r = int(Outcome.MEMORY), run.state.record
+                    run.note = (
+                        f"The states that were recorded in {r['steps']} steps and {r['events']} "
+                        f"events take {run.recording.bytes:.3g} bytes."
+                    )
                 if code == _GOING and (signals.arrived or stopped):
                     code, signals.answered = int(Outcome.INTERRUPTED), not stopped
             code = int(Outcome.OK) if code == _STOP else code
             if code in (*_STUCK, Outcome.CONTRADICTED):
-                code = run._end_at_lock_up(end_at_pole(run, code))
+                code = run._end_at_lock_up(run._end_at_pole(code))
         return run.result(Outcome(code), time.thread_time() - began)
 
     def _end_at_lock_up(self, code: int) -> int:
@@ -224,7 +209,7 @@ class Run:
         r["index"], r["site"] = row, Site.LOCK_UP
         return int(Outcome.SINGULAR)
 
-    def watch_start(self) -> int:
+    def _watch_start(self) -> int:
         """What begins with a condition that holds from the first instant on; a code or STOP."""
         from runtime.integrate.sampled_values import watch_now
 
@@ -260,37 +245,130 @@ class Run:
         """What was recorded since the start, or since the run took over from another."""
         state, r = self.state, self.state.record
         n, stopped = state.system.coordinates, float(r["t"])
-        note = self.note or self.crossings.note
-        if outcome is Outcome.CONTRADICTED:
-            note = notes.energy_note(r)
-        elif outcome is Outcome.INCONSISTENT and not note:
-            note = notes.mode_search_note(state.switch_rows[BAND])
-        elif outcome in {Outcome.OK, Outcome.MAX_STEPS}:
-            note = notes.passed_accumulation_note(r)
-        elif outcome in {Outcome.STEP_TOO_SMALL, Outcome.ZENO} and not note:
-            note = notes.accumulation_note(r)
         t, y, modes = self.recording.samples()
         return Trajectory(
-            t=t,
-            q=y[:, :n],
-            v=y[:, n:],
-            modes=modes,
-            outcome=outcome,
-            discrete=state.discrete,
-            stopped_by=int(r["stopped_by"]),
-            index=int(r["index"]),
+            t=t, q=y[:, :n], v=y[:, n:], modes=modes, outcome=outcome, discrete=state.discrete,
+            stopped_by=int(r["stopped_by"]), index=int(r["index"]), first_t=self.first_t,
             site=Site.NOWHERE if outcome in _AT_ONE_SITE else Site(int(r["site"])),
-            first_t=self.first_t,
-            final_t=stopped,
-            final_q=state.y[0].copy(),
-            final_v=state.y[1].copy(),
+            final_t=stopped, final_q=state.y[0].copy(), final_v=state.y[1].copy(),
             final_modes=state.modes,
             statistics=Statistics(**{name: r[name].item() for name in COUNTS}, seconds=seconds),
-            events=self.recording.events(),
-            partitions=self.recording.partitions(),
+            events=self.recording.events(), partitions=self.recording.partitions(),
             methods=tuple((t, LEADING if name == "auto" else name) for t, name in state.methods),
-            decay=state.mean_decay,
-            crossings=tuple(self.crossings.passed),
-            note=note,
+            decay=state.mean_decay, crossings=tuple(self.crossings.passed),
+            note=self._note(outcome),
             samples_taken=bool(r["sample_at"] > stopped + CLOCK * abs(stopped)),
-        )
+        )  # fmt: skip
+
+    def _note(self, outcome: Outcome) -> str:
+        """What else is to be said of the outcome, with the numbers that show it; mostly nothing."""
+        r, note = self.state.record, self.note or self.crossings.note
+        t, limit = float(r["t"]), float(r["limit"])
+        crowded, unlimited = bool(np.isfinite(limit)), bool(r["unlimited"])
+        if outcome is Outcome.CONTRADICTED:
+            work = float(r["explained"])
+            change = float(r["unexplained"] + r["explained"])
+            if r["index"] >= 0:
+                note = "which no force and no impact explains"
+                return f"The energy jumps there by {change:.6g} J, {note}."
+            return (
+                f"Up to t = {r['end']:.9g} s the energy changes by {change:.6g} J, and the work of "
+                f"effects and drivers is {work:.6g} J."
+            )
+        if outcome in {Outcome.OK, Outcome.MAX_STEPS}:
+            if not (crowded and unlimited):
+                return ""
+            return (
+                f"Towards about t = {limit:.6g} s its steps got ever shorter, as where a motion "
+                "turns or switches infinitely often, and only the number given as max_steps= let "
+                "it go on: look at the motion about there."
+            )
+        if note:
+            return note
+        at_once = int(np.count_nonzero(self.state.switch_rows[BAND] > 0.0))
+        if outcome is Outcome.INCONSISTENT and at_once > MOST_COMBINED:
+            return (
+                f"{at_once} conditions are on their surface at once; of their combinations only "
+                f"those of {MOST_COMBINED} were all tried, and the search was given up: there may "
+                "be a state that agrees."
+            )
+        if outcome in {Outcome.STEP_TOO_SMALL, Outcome.ZENO} and crowded and not unlimited:
+            return (
+                f"In {r['steps']} steps the run has come to t = {t:.9g} s; each doubling of their "
+                f"number covers less time than the one before, {float(r['pace']):.3g} s at last, "
+                f"and all that are to come add up to t = {limit:.9g} s, {limit - t:.3g} s later, "
+                f"where the run is to reach {float(r['t_end']):.9g} s. If its steps stop shrinking "
+                f"before, go on with a number of your own, such as max_steps={MOST_STEPS}, which "
+                "switches this check off."
+            )
+        return ""
+
+    # -- explicit functions of time ----------------------------------------------------------
+
+    def _end_at_pole(self, code: int) -> int:
+        """The outcome of a run whose steps get ever shorter up to an instant known beforehand."""
+        r, arrays, stops = self.state.record, self.state.wiring.arrays, self.state.stops
+        ahead = np.flatnonzero(arrays["stop_kinds"][r["next_stop"] :] >= 0) + r["next_stop"]
+        if not len(ahead) or (stops is not None and stops.further is not None and len(ahead) == 1):
+            return code
+        way = float(arrays["stop_times"][ahead[0]] - r["t"])
+        if way > _CLOSE * float(r["duration"]):
+            return code
+        passage = self._passage(ahead[0])
+        if passage.outcome is not Outcome.OK:
+            return passage.outcome
+        if passage.function:  # else it has no value at the first instant
+            self.note = (
+                f"At t = {r['t'] + way:.9g} s, {way:.3g} s later, a function of time in "
+                f"'{passage.function}' bends or ends: its derivatives may grow without bound there."
+            )
+        return code
+
+    def _passage(self, stop: int) -> Passage:
+        """How the run passes the kink that is a stop of this number."""
+        state, r = self.state, self.state.record
+        assert state.stops is not None
+        q, v = state.y
+        kink = int(state.wiring.arrays["stop_kinds"][stop])
+        passage = state.stops.passage(kink, q.copy(), v.copy(), state.modes.copy())
+        if passage.outcome is not Outcome.OK:
+            r["index"], r["site"], self.note = passage.row, Site.NOWHERE, passage.note
+        return passage
+
+    def _pass_kink(self) -> int:
+        """Go on behind a kink of an explicit function of time, or end before it."""
+        state, r = self.state, self.state.record
+        last = r["next_stop"] == state.table[ft.STOPS] - 1
+        if last and state.stops is not None and state.stops.further is not None:
+            state.set_stops(state.stops.further())
+            return _GOING
+        passage = self._passage(int(r["next_stop"]))
+        if passage.outcome is not Outcome.OK:
+            return passage.outcome
+        before = state.y.ravel().copy(), state.modes.copy()
+        state.leave_kink()
+        if passage.v is not None:
+            state.y[1] = passage.v
+        code: int = start_anew(state.table)
+        self.recording.flush()
+        self._sample_kink(before, passage)
+        if passage.event is not None:
+            number = np.array([state.system.switches + passage.source])
+            self.recording.add_events(r["t"], number, [passage.event], state.y.ravel())
+            r["events"] += 1
+        if code == Outcome.OK and state.system.watches:
+            code = self._watch_start()
+        return _GOING if code == Outcome.OK else code
+
+    def _sample_kink(self, before: tuple[Vector, Integers], passage: Passage) -> None:
+        """Take the samples that are asked for between the two sides of a kink."""
+        state, r, times = self.state, self.state.record, self.state.wiring.arrays["sample_times"]
+        while r["next_sample"] < len(times) and times[r["next_sample"]] <= r["t"]:
+            at = float(times[r["next_sample"]])
+            after = passage.behind is None or passage.behind(at)
+            if r["every_step"] != STEP_ENDS:
+                y, modes = (state.y.ravel(), state.modes) if after else before
+                self.recording.add_sample(at, y, modes)
+            r["next_sample"] += 1
+        if r["every_step"] == STEP_ENDS and r["t"] >= r["t_end"]:
+            self.recording.add_sample(float(r["t"]), state.y.ravel(), state.modes)

@@ -15,10 +15,9 @@ from runtime.integrate.clocks import set_clocks
 from runtime.integrate.initialization import place_start
 from runtime.integrate.loop import LOG_MARGIN
 from runtime.integrate.method import Method, find_method
-from runtime.integrate.problem import STABILIZING, Discrete, Options, Problem, Stops
+from runtime.integrate.problem import STABILIZING, Discrete, Options, Problem, Statistics, Stops
 from runtime.integrate.sampling import QUADRATURE, STEP_ENDS
-from runtime.integrate.step_accumulation import FIRST_LOOK
-from runtime.integrate.trajectory import Statistics
+from runtime.integrate.step_acceptance import FIRST_LOOK
 from runtime.integrate.wiring import METHOD_SLOTS, function_table, place, wire
 
 _FOLLOWED = 2.0  # measured: of Baumgarte's time; in longer steps the stabilisation oscillates
@@ -163,18 +162,12 @@ class RunState:
         self.record["next_stop"] = 0
         self.record["stop"] = times[0] if len(times) else np.inf
 
-    def set_further_stops(self) -> None:
-        """Go on to the next part of the instants known beforehand."""
-        assert self.stops is not None
-        assert self.stops.further is not None
-        self.set_stops(self.stops.further())
-
     def find_stop(self, t: float) -> None:
         """Look for the next of the instants known beforehand, where the run stands at `t`, s."""
         arrays, r = self.wiring.arrays, self.record
         self.set_stops(self.stops)
         while self.stops is not None and self.stops.further and self.stops.times[-1] < t:
-            self.set_further_stops()
+            self.set_stops(self.stops.further())
         times = arrays["stop_times"]
         r["next_stop"] = np.searchsorted(times, t)
         r["stop"] = times[r["next_stop"]] if r["next_stop"] < len(times) else np.inf

@@ -33,7 +33,7 @@ class Signal(IntEnum):
     """How a run goes on, as the parts of a step answer; codes of outcomes, not negative, end it."""
 
     GOING = -1  # the run is not over
-    LOOK = -2  # a singular configuration has to be looked at, see `singular_crossing`
+    LOOK = -2  # a singular configuration has to be looked at, see `singular_crossings`
     CHANGE = -3  # another method is due
     PROCEED = -4  # the step goes on with its next part
     KINK = -6  # an explicit function of time may bend or jump here

@@ -56,7 +56,7 @@ class Result(TimeSeries):
         What a check found against the results, with numbers; empty if none did.
     stats
         Counts of steps, evaluations and iterations (of a simulation: explained in
-        `runtime.integrate.trajectory.Statistics`), and the wall time in s. `crossing_error`:
+        `runtime.integrate.problem.Statistics`), and the wall time in s. `crossing_error`:
         largest estimated error of a step across a singular configuration, over the tolerance;
         `integration_seconds`: processor time of the integration alone.
     events

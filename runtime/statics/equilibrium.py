@@ -12,7 +12,7 @@ import numpy as np
 from codegen.errors import AnalysisError
 from codegen.readers.calls import checked_class
 from runtime.assembly.assemble import assemble
-from runtime.assembly.substitute_kernels import redundancy_note, suited_equations
+from runtime.assembly.redundancy import redundancy_note, suited_equations
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import evaluate
 from runtime.mechanism.dense_equations import Equations, FloatArray

@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import types
 
+from runtime.assembly.redundancy import DOUBTFUL, MOST_SPREAD
 from runtime.assembly.regular_start import allow, let_lead
 from runtime.assembly.start_values import Start, start_note, start_values
-from runtime.assembly.substitute_kernels import DOUBTFUL, MOST_SPREAD
 from runtime.core.arrays import (
     Integers,
     Matrix,

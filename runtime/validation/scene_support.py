@@ -117,10 +117,10 @@ def require_no_rigid(mechanism: Mechanism, analysis: str) -> None:
         )
     if description.rigid:
         raise AnalysisError(
-            f"{description.title}: {analysis} does not decide which rigid contacts are closed, and "
-            f"this scene has {', '.join(description.rigid.names)}. Let the machine come to rest in "
-            "a simulation, or ask for a scene without them: with a joint where a contact is "
-            "closed, or with stiffness= in place of restitution=."
+            f"{description.title}: {analysis} does not decide which rigid contacts or stops are "
+            f"closed, and this scene has {', '.join(description.rigid.names)}. Let the machine "
+            "come to rest in a simulation, or ask for a scene without them: with a joint where a "
+            "contact is closed, or with stiffness= in place of restitution=."
         )
 
 

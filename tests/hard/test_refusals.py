@@ -42,7 +42,7 @@ def test_static_coefficient_below_the_kinetic_one_is_refused() -> None:
 
 
 def test_analyses_that_know_no_contact_refuse(ball: Machine) -> None:
-    with pytest.raises(AnalysisError, match="rigid contacts are closed, and this scene has plate"):
+    with pytest.raises(AnalysisError, match="or stops are closed, and this scene has plate"):
         ball.equilibrium()
     with pytest.raises(AnalysisError, match="inverse dynamics does not decide"):
         ball.inverse_dynamics([0.0, 1.0])

@@ -22,8 +22,8 @@ import numpy as np
 from codegen.errors import InputError, LinkwrightError
 from runtime import load
 from runtime.dynamics.changes_of_coordinates import Changes
+from runtime.integrate.problem import Trajectory
 from runtime.integrate.run import Run
-from runtime.integrate.trajectory import Trajectory
 from runtime.machine_facade import Machine
 from runtime.results.result import Result
 from tests.random_mechanisms import FAMILIES, PLAIN, RandomMechanism, Scales, random_mechanism

@@ -19,8 +19,8 @@ from runtime.core.outcomes import Outcome
 from runtime.dynamics import simulation
 from runtime.dynamics.checks import end_checks, energy_balance
 from runtime.dynamics.checks.screening import Suspicions, screen_run
+from runtime.integrate.problem import Events, Trajectory
 from runtime.integrate.recording_buffers import Recording, in_order
-from runtime.integrate.trajectory import Events, Trajectory
 from runtime.machine_facade import Machine
 from runtime.results.samples import Samples
 

@@ -14,9 +14,8 @@ from runtime import Machine, Result, load
 from runtime.core.outcomes import Outcome
 from runtime.integrate.method import IMPLICIT
 from runtime.integrate.problem import Options
-from runtime.integrate.run import integrate
 from runtime.mechanism.dense_equations import Equations, magnitudes
-from tests.runtime.integrate.systems import ACCURATE_IMPLICIT, PENDULUM, pendulum_problem
+from tests.runtime.integrate.systems import ACCURATE_IMPLICIT, PENDULUM, integrate, pendulum_problem
 from tests.runtime.mechanisms import write_whole
 
 DECADES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)

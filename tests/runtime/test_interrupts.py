@@ -10,7 +10,7 @@ from codegen.termination_signals import SignalDeferral
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.prescribed_motion import kinematics
-from runtime.integrate.trajectory import Trajectory
+from runtime.integrate.problem import Trajectory
 from runtime.machine_facade import Machine
 
 

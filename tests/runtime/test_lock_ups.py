@@ -59,7 +59,7 @@ def test_a_singular_start_is_no_jam_of_a_friction_in_it(tmp_path: Path) -> None:
     assert run.site == Site.START_RANK.of("slide.normal")
 
 
-@pytest.mark.parametrize(("seed", "kept"), [(62, "friction rub0"), (74, "contact stop0")])
+@pytest.mark.parametrize(("seed", "kept"), [(62, "friction rub0"), (74, "contact or stop stop0")])
 def test_what_sticks_or_is_closed_locks_a_driven_machine_up(
     seed: int, kept: str, tmp_path: Path
 ) -> None:
@@ -72,7 +72,7 @@ def test_what_sticks_or_is_closed_locks_a_driven_machine_up(
     dense = Dense(driven.parts, driven.scales.length)
     order = [run.description.coordinates.names.index(name) for name in dense.names]
     q, t = run.samples.q[-1, order], float(run.t[-1])
-    assert dense.least_singular_value(q, t, [kept.split()[1]]) < 1e-4
+    assert dense.least_singular_value(q, t, [kept.rsplit(maxsplit=1)[-1]]) < 1e-4
     assert dense.least_singular_value(q, t) > 1e-4
 
 
@@ -91,7 +91,7 @@ def test_a_lock_up_has_one_name_however_rounding_ends_its_bounces(
     run = bouncing_into_a_lock_up.simulate(2.7, rtol=rtol, progress=False)
     assert run.outcome is Outcome.LOCKED, run.message
     assert run.t[-1] == pytest.approx(0.4256325657, abs=1e-10)
-    assert "What contact stop0 keeps as it is" in run.message
+    assert "What contact or stop stop0 keeps as it is" in run.message
 
 
 @pytest.mark.parametrize(

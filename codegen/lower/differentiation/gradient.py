@@ -8,9 +8,8 @@ slope B s, which is there: Haug's formulas come out.
 
 from collections.abc import Iterable, Mapping
 
-from codegen.lower.differentiation.derivative_along_motion import Direction
+from codegen.lower.differentiation.derivative_along_motion import PLAIN, Direction, Parts
 from codegen.lower.differentiation.program_tangents import fractional_power, slopes_of
-from codegen.lower.factored_sums import PLAIN, Parts
 from codegen.lower.graph import SUMS, Graph
 from codegen.lower.program import Op, dependencies
 

@@ -20,7 +20,7 @@ become negative divide by b.
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
-from codegen.lower.graph import Graph
+from codegen.lower.graph import ARITHMETIC, Graph
 from codegen.lower.program import (
     LOGICAL,
     STATE,
@@ -32,7 +32,6 @@ from codegen.lower.program import (
     Value,
     dependencies,
 )
-from codegen.lower.substitution import ARITHMETIC
 
 # safety: the smallest number there is, added to a divisor: 0/0 is 0 there, and all else infinite
 LEAST = 5e-324
@@ -153,11 +152,6 @@ def _atan2(graph: Graph, number: int, y: int, x: int) -> tuple[int, ...]:
     return graph.mul(inverse, x), graph.neg(graph.mul(inverse, y))
 
 
-def _sqrt(graph: Graph, number: int, a: int) -> tuple[int, ...]:
-    half = graph.mul(graph.constant(0.5), number)
-    return (graph.div(half, graph.add(a, graph.constant(TINY))),)
-
-
 def _power(graph: Graph, number: int, a: int, b: int) -> tuple[int, ...]:
     """b aᵇ⁻¹, by products where b - 1 allows them, without a division by a = 0; and aᵇ log a."""
     exponent = graph.number(b)
@@ -185,7 +179,7 @@ SLOPES: dict[Op, Callable[..., tuple[int, ...]]] = {
     Op.TANH: lambda g, n, a: (g.sub(g.one, g.mul(n, n)),),
     Op.EXP: lambda g, n, a: (n,),
     Op.LOG: lambda g, n, a: (g.div(g.one, a),),
-    Op.SQRT: _sqrt,
+    Op.SQRT: lambda g, n, a: (g.div(g.mul(g.constant(0.5), n), g.add(a, g.constant(TINY))),),
     Op.FLOOR: lambda g, n, a: (g.zero,),
     Op.POW: _power,
 }

@@ -20,7 +20,6 @@ from collections.abc import Sequence
 
 from codegen.lower.graph import Graph
 from codegen.lower.linear.factorization import Entries
-from codegen.lower.linear.labels import Labels
 from codegen.lower.linear.least_change import NormalEquations, NullSpace, solve_by_multipliers
 from codegen.lower.linear.sparse_row_elimination import (
     SparseRows,
@@ -30,7 +29,7 @@ from codegen.lower.linear.sparse_row_elimination import (
     structure_of,
 )
 from codegen.lower.operation_count import cheapest
-from codegen.lower.program import Check, Kernel, store
+from codegen.lower.program import Check, Kernel, Labels, store
 from codegen.lower.scene_graph import SceneGraph
 
 LARGEST = 3  # measured: rows of the largest set that is solved by its adjugate

@@ -97,7 +97,8 @@ def condition_kernels(scene: SceneGraph) -> list[Kernel]:
 def _translated(scene: SceneGraph, expression: sympy.Expr) -> int:
     """The value of an expression whose sizes and larger ones are taken of parameters alone."""
     graph = scene.graph
-    plain = expression.replace(sympy.Max, _larger).replace(sympy.Min, _smaller)
+    plain = expression.replace(sympy.Max, _larger)
+    plain = plain.replace(sympy.Min, lambda *terms: -_larger(*(-term for term in terms)))
     translate, known = scene.translate, dict[sympy.Expr, int]()
     for size in sorted(plain.atoms(sympy.Abs), key=lambda e: (e.count_ops(), str(e))):
         inside = (translate.scoped(known) if known else translate)(size.args[0])
@@ -109,10 +110,6 @@ def _larger(*terms: sympy.Expr) -> sympy.Expr:
     first, *rest = terms
     other = _larger(*rest) if len(rest) > 1 else rest[0]
     return (first + other + sympy.Abs(first - other)) / 2
-
-
-def _smaller(*terms: sympy.Expr) -> sympy.Expr:
-    return -_larger(*(-term for term in terms))
 
 
 UNBOUNDED = sys.float_info.max  # an infinite bound, which is no literal of a generated text

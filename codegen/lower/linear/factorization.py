@@ -23,8 +23,7 @@ from typing import Literal
 
 from codegen.lower.graph import Graph
 from codegen.lower.linear.elimination_order import PivotOrder
-from codegen.lower.linear.labels import Labels
-from codegen.lower.program import Check
+from codegen.lower.program import Check, Labels
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from codegen.lower.graph import Graph
 from codegen.lower.linear.elimination_order import Row
 from codegen.lower.linear.factorization import Elimination
-from codegen.lower.linear.labels import Labels
 from codegen.lower.linear.sparse_row_elimination import SparseRows, Task, prefixed
-from codegen.lower.program import Check
+from codegen.lower.program import Check, Labels
 
 TINY = 1e-100  # safety: added to weights before they are inverted; w = 0 holds a coordinate
 LARGEST = 2  # closures that are solved together

@@ -11,8 +11,7 @@ from itertools import combinations
 
 from codegen.lower.graph import Graph
 from codegen.lower.linear.elimination_order import LARGE, CoordinateOrder, Row, Structure
-from codegen.lower.linear.labels import Labels
-from codegen.lower.program import Check
+from codegen.lower.program import Check, Labels
 
 ROUNDING = 1e-12  # accuracy: a number below this part of the numbers it is a difference of is zero
 SEARCHED = 30  # safety: rows among which small sets are searched for

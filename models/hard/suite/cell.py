@@ -13,7 +13,7 @@ from codegen.errors import AnalysisError
 from models.hard.suite.case import KEPT, WORTH, Array, Case
 from runtime import Outcome, Result
 from runtime.integrate.method import IMPLICIT, METHODS, REGISTER
-from runtime.integrate.validation import CORRECTIONS
+from runtime.integrate.problem import CORRECTIONS
 
 if TYPE_CHECKING:
     from runtime import Machine

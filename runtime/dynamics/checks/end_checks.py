@@ -23,8 +23,7 @@ from runtime.dynamics.checks.screening import (
     count_unresolved,
     write_switching_values,
 )
-from runtime.integrate.problem import Options
-from runtime.integrate.trajectory import Events, Trajectory
+from runtime.integrate.problem import Events, Options, Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.module_tables import Description
 from runtime.results.result import Result

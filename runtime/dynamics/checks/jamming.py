@@ -13,7 +13,7 @@ import numpy.typing as npt
 from runtime.core.kinds import SLIDING
 from runtime.core.outcomes import Outcome, Site
 from runtime.dynamics.output_quantities import evaluate
-from runtime.integrate.trajectory import Trajectory
+from runtime.integrate.problem import Trajectory
 from runtime.mechanism.dense_equations import (
     Equations,
     FloatArray,
@@ -131,7 +131,7 @@ def _describe_lock_up(equations: Equations, run: Trajectory, *, proven: bool) ->
             return ""
     rubs = [switches[k].name for k in kept if k in system.sticking]
     shut = [switches[k].name for k in kept if k in system.rigid]
-    words = [f"friction {name}" for name in rubs] + [f"contact {name}" for name in shut]
+    words = [f"friction {name}" for name in rubs] + [f"contact or stop {name}" for name in shut]
     words += [f"one-way clutch {switches[k].name}" for k in kept if k in system.one_way]
     grows = ", and what friction may exert grows with them" if rubs else ""
     return _LOCKED.format(f"{' and '.join(words)} keep{'s' if len(words) == 1 else ''}", grows)

@@ -23,8 +23,7 @@ from runtime.core.arrays import (
 from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernel_abi import jacobian_of, switching_of
 from runtime.core.kinds import KNOTS, SLIDING, Direction
-from runtime.integrate.problem import Options
-from runtime.integrate.trajectory import Trajectory
+from runtime.integrate.problem import Options, Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.results.samples import Samples
 

@@ -34,10 +34,18 @@ from runtime.integrate.implicit.bdf_history import (
     NOW,
     PSI,
 )
-from runtime.integrate.implicit.newton_matrices import factor_real, filtered_error, solve_factored
-from runtime.integrate.implicit.simplified_newton import newton_iteration
-from runtime.integrate.implicit.state_space_form import differentiate, evaluate, list_unknowns
-from runtime.integrate.implicit.stiffness_estimate import suits_explicit
+from runtime.integrate.implicit.simplified_newton import (
+    factor_real,
+    filtered_error,
+    newton_iteration,
+    solve_factored,
+)
+from runtime.integrate.implicit.state_space_form import (
+    differentiate,
+    evaluate,
+    list_unknowns,
+    suits_explicit,
+)
 from runtime.linalg.vectors import axpy, copy_vector
 
 MOST_ITERATIONS = 4  # safety: Newton iterations of a step

@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 
 from codegen.derive.equations import derive
-from codegen.lower.graph import Graph
+from codegen.lower.graph import Graph, expand_sine, substitute
 from codegen.lower.interpreter import evaluate
 from codegen.lower.lowered_scene import lower
 from codegen.lower.poses_near_start import Poses
 from codegen.lower.program import Kernel, Op, Program, store
-from codegen.lower.substitution import expand_sine, substitute
 from codegen.reduce.closed_form_loops import find_loops
 from codegen.reduce.coordinate_map import CoordinateMap, ExplicitCoordinates
 from tests.random_mechanisms import Scales, random_mechanism

@@ -1,7 +1,6 @@
 """Machines of many equal parts, and what the texts of their kernels in loops compute."""
 
 import math
-from collections.abc import Callable
 from functools import cache
 
 import numba
@@ -17,12 +16,13 @@ from codegen.lower.interpreter import evaluate
 from codegen.lower.lowered_scene import Lowered, lower
 from codegen.lower.program import Kernel
 from codegen.reading.scene_selection import valid_scenes
-from codegen.reroll.parts import RolledKernel
+from codegen.reroll.batching import Batching
+from codegen.reroll.rerolling import Rerolling
 from models.hard.n_four_bar import n_four_bar
 from models.hard.roller_chain import roller_chain
 from models.hard.spring_chain import model as spring_chain
 
-Rolling = Callable[..., RolledKernel]
+Rolling = type[Rerolling] | type[Batching]
 
 
 def tree(depth: int) -> Model:
@@ -77,12 +77,12 @@ def lowered(family: str, size: int) -> Lowered:
 
 
 def rolled_text(machine: Lowered, kernel: Kernel, rolling: Rolling) -> RolledKernelText:
-    """The text of a kernel by `reroll` or `batch`."""
+    """The text of a kernel in loops or in batches."""
     program, arguments = machine.program, Arguments.of(machine.description)
     slots = arguments.slots(program)
     base = arguments.declared + len(program.constants)
-    rolled = rolling(program, kernel, {k: slots[k] for k in program.hoisted(kernel)}, base)
-    return RolledKernelText(program, kernel, rolled, arguments)
+    given = program, kernel, {k: slots[k] for k in program.hoisted(kernel)}, base
+    return RolledKernelText(program, kernel, rolling(*given).rolled(), arguments)
 
 
 def run(

@@ -9,8 +9,8 @@ from codegen.emit.kernel import Arguments
 from codegen.emit.module import kernel_texts
 from codegen.emit.rolled_kernel import RolledKernelText
 from codegen.lower.interpreter import evaluate
-from codegen.reroll.batching import ExpressionTrees, batch, list_schedule
-from codegen.reroll.rerolling import reroll, with_affine_accesses
+from codegen.reroll.batching import Batching, ExpressionTrees, list_schedule
+from codegen.reroll.rerolling import Rerolling, with_affine_accesses
 from codegen.reroll.sequence import OperationSequence, Stretch
 from tests.codegen.reroll.machines import Rolling, lowered, rolled_text, run
 
@@ -23,7 +23,7 @@ ELSEWHERE[[0, -1]] = 999, -5
 
 
 @pytest.mark.parametrize("least_mode", [0, 1])
-@pytest.mark.parametrize("rolling", [reroll, batch])
+@pytest.mark.parametrize("rolling", [Rerolling, Batching])
 @pytest.mark.parametrize(
     ("family", "size"),
     [("chain", 7), ("n_four_bar", 7), ("spring_chain", 0), ("roller_chain", 20),
@@ -62,7 +62,7 @@ def test_code_does_not_grow_and_tables_grow_linearly(family: str, name: str) -> 
     Below, another elimination may be the cheapest, whose code is not longer.
     """
     (few, one), (same, two), (many, three) = (
-        statements_and_entries(family, size, name, reroll) for size in (16, 32, 64)
+        statements_and_entries(family, size, name, Rerolling) for size in (16, 32, 64)
     )
     assert few <= 1.1 * same
     assert many <= 1.1 * same
@@ -78,9 +78,9 @@ def test_batches_need_little_code_where_nothing_has_a_period(
 
     Trees of fewer than 63 bars are eliminated in another order, whose code is shorter.
     """
-    few, many = (statements_and_entries(family, size, name, batch) for size in sizes)
+    few, many = (statements_and_entries(family, size, name, Batching) for size in sizes)
     assert many[0] <= 1.2 * few[0] < 400
-    loops, _ = statements_and_entries(family, sizes[1], name, reroll)
+    loops, _ = statements_and_entries(family, sizes[1], name, Rerolling)
     assert loops > 5 * many[0]
 
 
@@ -132,7 +132,7 @@ def test_a_loop_becomes_one_on_straight_lines_and_turns_beside_it(
 @pytest.mark.parametrize("family", ["chain", "n_four_bar"])
 def test_accelerations_of_a_row_read_one_table_that_of_the_checks(family: str) -> None:
     machine = lowered(family, 60)
-    text = rolled_text(machine, machine.kernels["accelerations"], reroll)
+    text = rolled_text(machine, machine.kernels["accelerations"], Rerolling)
     *others, checks = (table for table in text.tables if table.columns)
     assert len(checks.columns) == 3
     assert sum(len(table.columns) for table in others) <= 1

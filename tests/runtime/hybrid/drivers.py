@@ -6,14 +6,14 @@ The state lies in row Y0, its modes in the table; accelerations are written into
 from runtime.core import function_table_slots as ft
 from runtime.core import state_derivative
 from runtime.core import workspace_rows as ws
-from runtime.core.arrays import f8, i8, integers, none, vector
+from runtime.core.arrays import f8, i8, integers, none
 from runtime.core.jit import compiled
-from runtime.hybrid import filippov_shares, mode_consistency, redundant_sliding, sliding_motion
+from runtime.hybrid import filippov_shares, mode_consistency, rest_forces, sliding_motion
 
 
 @compiled(i8(integers, f8))
 def solve_least(context, slack):
-    return redundant_sliding.solve_least(context, slack)
+    return rest_forces.solve_least(context, slack)
 
 
 @compiled(i8(integers, f8))
@@ -22,16 +22,6 @@ def evaluate_accelerations(context, t):
     mode_consistency.count_sliding(context, modes)
     q, v = context.q0, context.v0
     return state_derivative.evaluate_accelerations(context, t, q, v, modes, a)
-
-
-@compiled(f8(vector, vector, vector))
-def exclude_rounding(value, change, size):
-    return sliding_motion.exclude_rounding(value, change, size)
-
-
-@compiled(none(integers, f8))
-def evaluate_switching_and_rates(context, t):
-    sliding_motion.evaluate_switching_and_rates(context, t, ws.Y0, ws.K, ws.G0)
 
 
 @compiled(f8(integers, f8, i8))

@@ -8,10 +8,9 @@ from runtime.core import workspace_rows as ws
 from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.kinds import SLIDING
 from runtime.integrate.problem import Options, Problem
-from runtime.integrate.run import integrate
 from runtime.integrate.wiring import wire
 from tests.runtime.hybrid import drivers
-from tests.runtime.integrate.systems import free_system, kernel
+from tests.runtime.integrate.systems import free_system, integrate, kernel
 
 # p = gravity, restitution; in mode 0 a contact exerts a unit of force.
 

@@ -8,11 +8,11 @@ from runtime.core.kinds import SLIDING
 from runtime.core.outcomes import Outcome
 from runtime.integrate.method import EXPLICIT
 from runtime.integrate.problem import Options, Problem
-from runtime.integrate.run import integrate
 from tests.runtime.hybrid import drivers
 from tests.runtime.hybrid.systems import BLOCK, SLIDER, Instant
 from tests.runtime.integrate.systems import (
     free_system,
+    integrate,
     kernel,
     relay,
     run_relay,

@@ -4,8 +4,7 @@ import pytest
 
 from runtime.core import workspace_rows as ws
 from runtime.core.kinds import SLIDING
-from runtime.hybrid.mode_consistency import CONSISTENT, decided_entry
-from runtime.hybrid.mode_selection import surface_band
+from runtime.hybrid.mode_consistency import CONSISTENT
 from tests.runtime.hybrid import drivers
 from tests.runtime.hybrid.systems import BLOCK, Instant
 from tests.runtime.integrate.systems import relay
@@ -52,19 +51,8 @@ def test_a_function_off_its_surface_keeps_its_mode():
     assert there.modes.tolist() == [0]
 
 
-def test_a_decided_mode_needs_no_look_ahead():
-    there = on_surface(ON_V, 1.0, 0, preferred=decided_entry.py_func(0))
-    assert drivers.select_modes(there.context, 0.0, AHEAD) == CONSISTENT
-    assert there.modes.tolist() == [0]
-
-
 @pytest.mark.parametrize(("push", "mode"), [(0.5, SLIDING), (1.5, 1), (-1.5, 0)])
 def test_a_block_at_rest_sticks_up_to_its_limit(push, mode):
     block = Instant(BLOCK, (push, 1.0, 1.0, 0.0), modes=(0,))
     assert drivers.initialize_modes(block.context, 1.0, AHEAD) == CONSISTENT
     assert block.modes.tolist() == [mode]
-
-
-def test_the_band_covers_what_is_left_of_g():
-    assert surface_band.py_func(-1e-9, 1.0) > 1e-9
-    assert 0.0 < surface_band.py_func(0.0, 0.0) < 1e-200

@@ -1,8 +1,8 @@
 """Ways in from Python to the parts of a step, which only compiled code calls."""
 
-from runtime.core.arrays import f8, i8, integers, none
+from runtime.core.arrays import f8, i8, integers
 from runtime.core.jit import compiled
-from runtime.integrate import loop, sampling, step, step_acceptance, step_control, step_to_event
+from runtime.integrate import loop, sampling, step, step_acceptance, step_control
 from runtime.integrate.problem import Options
 from runtime.integrate.run import Run
 from tests.runtime.integrate.systems import pendulum_problem
@@ -35,17 +35,12 @@ def follow_plan(context):
 
 @compiled(i8(integers))
 def end_at_event(context):
-    return step_to_event.end_at_event(context)
+    return step_acceptance.end_at_event(context)
 
 
 @compiled(i8(integers))
 def stay(context):
-    return step_to_event.stay(context)
-
-
-@compiled(none(integers, i8, i8))
-def copy_end(context, source, target):
-    step_to_event.copy_end(context, source, target)
+    return step_acceptance.stay(context)
 
 
 @compiled(i8(integers))

@@ -1,18 +1,27 @@
 """Small systems with kernels written by hand, for the integrator's tests."""
 
+from dataclasses import replace
+
 import numpy as np
 from numba import njit
 
 from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.system import System
 from runtime.integrate.method import EXPLICIT, IMPLICIT, REGISTER
-from runtime.integrate.problem import Options, Problem
-from runtime.integrate.run import integrate
-from runtime.integrate.trajectory import Trajectory
+from runtime.integrate.problem import Options, Problem, Trajectory, refuse_misfits
+from runtime.integrate.recording_buffers import in_order
+from runtime.integrate.run import Run
 
 # Methods that keep errors and steps as small as tests of accuracy bound them.
 ACCURATE = tuple(name for name in EXPLICIT if REGISTER[name].order >= 5)
 ACCURATE_IMPLICIT = tuple(name for name in IMPLICIT if REGISTER[name].order >= 5)
+
+
+def integrate(system, problem, options, progress=None, change=None):
+    """A run whose problem and options fit, its events in order."""
+    refuse_misfits(problem, options)
+    path = Run(system, problem, options).execute(progress, change)
+    return replace(path, events=in_order(path.events, path.final_t, system.rigid))
 
 
 def kernel(signature):

@@ -10,10 +10,10 @@ from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.outcomes import Outcome, Site
 from runtime.integrate.method import EXPLICIT
 from runtime.integrate.problem import Options
-from runtime.integrate.run import integrate
 from tests.runtime.integrate.systems import (
     PENDULUM,
     PENDULUM_P,
+    integrate,
     kernel,
     pendulum_accelerations,
     pendulum_problem,

@@ -8,7 +8,6 @@ from runtime.core.outcomes import Outcome
 from runtime.core.workspace_rows import PARTITION, K
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import Run
-from tests.runtime.integrate.drivers import swinging
 from tests.runtime.integrate.systems import PENDULUM, pendulum_problem
 
 
@@ -23,13 +22,6 @@ def test_a_state_near_the_constraints_is_returned_onto_them():
     assert np.count_nonzero(run.state.rows[PARTITION, 0] == 0.0) == 1
     np.testing.assert_array_equal(run.state.rows[K, 0], v)
     assert run.state.rows[K, 1, 2] == pytest.approx(-9.81 * np.cos(q[2]), rel=1e-12)
-
-
-def test_the_first_sample_and_the_first_step():
-    run = swinging(PENDULUM, t_eval=[0.0, 1.0])
-    assert run.state.record["samples"] == 1
-    assert 0.0 < run.state.record["h"] <= 10.0
-    assert swinging(PENDULUM, first_step=0.125).state.record["h"] == 0.125
 
 
 def test_the_derivative_follows_the_impacts_of_the_first_instant():

@@ -4,12 +4,10 @@ import numpy as np
 import pytest
 
 from runtime.core import function_table_slots as ft
-from runtime.core.loop_record import RUN, ConstraintReturn
-from runtime.core.workspace_rows import ATOL, PARTITION, SIZE, Y0
+from runtime.core.loop_record import ConstraintReturn
 from runtime.integrate.method import find_method
 from runtime.integrate.problem import Options
 from runtime.integrate.run_state import RunState
-from runtime.integrate.trajectory import Statistics
 from runtime.integrate.wiring import METHOD_SLOTS, function_table
 from tests.runtime.integrate.stiff import SMOOTH_PENDULUM
 from tests.runtime.integrate.systems import PENDULUM, pendulum_problem
@@ -17,21 +15,6 @@ from tests.runtime.integrate.systems import PENDULUM, pendulum_problem
 
 def state(system=PENDULUM, **options):
     return RunState(system, pendulum_problem(0.3, 2.0, 10.0), Options(**options))
-
-
-def test_rows_of_the_workspace():
-    run = state(rtol=1e-6, atol_v=1e-3)
-    np.testing.assert_array_equal(run.y[0], [np.cos(0.3), np.sin(0.3), 0.3])
-    np.testing.assert_array_equal(run.y, run.rows[Y0])
-    assert np.all(run.rows[ATOL, 0] == 1e-6)
-    assert np.all(run.rows[ATOL, 1] == 1e-3)
-    assert np.all(run.rows[SIZE] == 1.0)
-    assert run.rows[PARTITION].tolist() == [[1.0, 1.0, 1e6], [1.0, 1.0, 1e3]]
-
-
-def test_a_fixed_step():
-    record = state(fixed_step=0.25).record
-    assert (record["fixed"], record["h"], record["h_max"]) == (1, 0.25, 0.25)
 
 
 @pytest.mark.parametrize(
@@ -74,8 +57,3 @@ def test_each_change_of_method_takes_twice_the_patience():
         assert run.record["patience"] == patience
         assert run.methods[-1][1] != before
     assert len(run.methods) == 4
-
-
-def test_the_record_counts_what_statistics_tell():
-    counted = set(Statistics.__dataclass_fields__) - {"seconds"}
-    assert counted <= set(RUN.names)

@@ -12,10 +12,6 @@ from tests.runtime.integrate.systems import relay, relay_problem
 THROWN = relay(constant=-2.0)
 
 
-def height(t):
-    return 3.0 * t - t**2
-
-
 def sampled(t_eval, h=1.0, **options):
     system, p = THROWN
     run = started(system, relay_problem(p, 0.0, 3.0), t_eval=t_eval, **options)
@@ -23,26 +19,6 @@ def sampled(t_eval, h=1.0, **options):
     assert emit(run.state.table, 0.0, h, h, 0) == 0
     run.recording.flush()
     return run
-
-
-def test_instants_in_the_step_and_at_its_end():
-    run = sampled([0.0, 0.25, 0.5, 1.0, 1.5])
-    t, y, _ = run.recording.samples()
-    assert t.tolist() == [0.0, 0.25, 0.5, 1.0]
-    np.testing.assert_allclose(y[:, 0], height(t), atol=1e-14)
-    np.testing.assert_allclose(y[:, 1], 3.0 - 2.0 * t, atol=1e-14)
-    assert run.state.record["dense_outputs"] == 1
-
-
-def test_no_dense_output_for_the_end_alone():
-    run = sampled([1.0])
-    assert run.recording.samples()[0].tolist() == [1.0]
-    assert run.state.record["dense_outputs"] == 0
-
-
-def test_ends_of_steps():
-    run = sampled(None)
-    assert run.recording.samples()[0].tolist() == [0.0, 1.0]
 
 
 @pytest.mark.parametrize("instants", [[], [0.4]])

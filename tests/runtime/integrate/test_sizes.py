@@ -4,15 +4,14 @@ import numpy as np
 import pytest
 
 from codegen import Model
-from codegen.errors import InputError
 from runtime import load
 from runtime.core.outcomes import Outcome
 from runtime.integrate.problem import Options, Problem
-from runtime.integrate.run import integrate
 from runtime.mechanism.dense_equations import Equations, magnitudes
 from tests.runtime.integrate.systems import (
     ACCURATE,
     PENDULUM,
+    integrate,
     pendulum_problem,
     pendulum_residuals,
     relay,
@@ -88,42 +87,3 @@ def test_a_tiny_tolerance_asks_for_nothing_below_rounding(atol, correction, star
     assert r.outcome == Outcome.OK
     assert max(pendulum_residuals(r)) < 1e-11
     assert r.statistics.corrections < 6 * r.statistics.returns or correction == "stage"
-
-
-@pytest.mark.parametrize("settings", [
-    {"correction": "never"},
-    {"max_steps": 2.5},
-    {"max_steps": -1},
-    {"max_steps": 10**30},
-    {"max_steps": True},
-    {"max_events": 0},
-    {"max_events": 1e6},
-    {"chunk": 0},
-    {"first_step": np.inf},
-    {"first_step": np.nan},
-    {"first_step": "short"},
-    {"h_max": np.inf},
-    {"h_max": 0.0},
-    {"rtol": 0.0},
-    {"rtol": np.nan},
-    {"atol_q": 0.0},
-    {"atol_v": np.inf},
-    {"atol_q": "fine"},
-])  # fmt: skip
-def test_one_mistake_is_one_problem(settings):
-    with pytest.raises(InputError) as caught:
-        integrate(PENDULUM, pendulum_problem(1.0, 0.0, 1.0), Options(**settings))
-    (problem,) = caught.value.problems
-    assert next(iter(settings)) in problem
-
-
-def test_one_tolerance_for_both_is_one_problem():
-    wrong = -1.0
-    with pytest.raises(InputError) as caught:
-        integrate(PENDULUM, pendulum_problem(1.0, 0.0, 1.0), Options(atol_q=wrong, atol_v=wrong))
-    assert len(caught.value.problems) == 1
-    assert "atol" in caught.value.problems[0]
-
-
-def test_advice_names_only_what_there_is():
-    assert "implicit" not in " ".join(outcome.advice for outcome in Outcome)

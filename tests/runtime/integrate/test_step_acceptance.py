@@ -7,8 +7,23 @@ from runtime.core.outcomes import Outcome, Site
 from runtime.core.workspace_rows import Y0, Y1
 from runtime.hybrid.mode_consistency import CONSISTENT
 from runtime.integrate.step import Signal
-from tests.runtime.integrate.drivers import accept_step, end_at_event, judge_events, tried
-from tests.runtime.integrate.test_step_to_event import FALL, falling
+from tests.runtime.integrate.drivers import (
+    accept_step,
+    end_at_event,
+    judge_events,
+    started,
+    stay,
+    tried,
+)
+from tests.runtime.integrate.systems import relay, relay_problem
+
+FALL = np.sqrt(2.0 / 9.81)
+FLOOR = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+
+
+def falling(height=1.0, **options):
+    system, p = relay(FLOOR, constant=-9.81)
+    return started(system, relay_problem(p, height, 0.0), **options)
 
 
 def accepted(h, **options):
@@ -61,3 +76,17 @@ def test_events_without_end_or_modes_end_the_run(changes, outcome, index, site):
     assert judge_events(run.state.table) == outcome
     assert run.state.record["index"] == index
     assert run.state.record["site"] == site
+
+
+def test_events_without_time_between_them_come_to_an_end():
+    run = falling()
+    record = run.state.record
+    tried(run, 0.1)
+    record["crossing"] = 0
+    for _ in range(10):
+        assert stay(run.state.table) == Signal.PROCEED
+    assert (record["length"], record["end"]) == (0.0, record["t"])
+    np.testing.assert_array_equal(run.state.rows[Y1], run.state.rows[Y0])
+    record["index"] = -1
+    assert stay(run.state.table) == Outcome.ZENO
+    assert record["index"] == 0

@@ -8,8 +8,7 @@ import pytest
 from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.outcomes import Outcome
 from runtime.integrate.problem import Options, Passage, Problem, Stops
-from runtime.integrate.run import integrate
-from tests.runtime.integrate.systems import free_system, kernel
+from tests.runtime.integrate.systems import free_system, integrate, kernel
 
 
 @kernel(SIGNATURES["accelerations"])

@@ -3,20 +3,10 @@
 import numpy as np
 
 from runtime.core.arrays import f8, i8, integers, none, vector
-from runtime.core.function_table_slots import COORDINATES
 from runtime.core.jit import compiled
 from runtime.core.workspace_rows import ATOL, PARTITION, SIZE
 from runtime.core.workspace_rows import ROWS as WORKSPACE_ROWS
-from runtime.integrate.implicit import (
-    bdf,
-    bdf_history,
-    newton_matrices,
-    radau5,
-    radau5_stages,
-    simplified_newton,
-    state_space_form,
-    stiffness_estimate,
-)
+from runtime.integrate.implicit import bdf, bdf_history, radau5, simplified_newton, state_space_form
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.wiring import wire
 
@@ -53,41 +43,6 @@ class Arrays:
         return [part.reshape(f, f) for part in parts]
 
 
-@compiled(none(integers))
-def number_all(context):
-    """Write its own number into each place of each row, matrix and pivot."""
-    count, n = 1.0, context[COORDINATES]
-    rows = mem.rows(context)
-    for index in range(mem.ROWS):
-        for part in range(2):
-            half = mem.half(context, index, part)
-            for i in range(n):
-                half[i] += 1.0
-                rows[index, part * n + i] += count - 1.0
-                count += 1.0
-    notes = context.method_integers
-    notes[mem.FREEDOMS] = n
-    for index in (mem.BY_U, mem.BY_RATE):
-        matrix = mem.derivative(context, index)
-        for i in range(n):
-            for k in range(n):
-                matrix[i, k] = count
-                count += 1.0
-    notes[mem.FREEDOMS] = 0
-    for index in (mem.REAL, mem.COMPLEX):
-        flat = mem.factors(context, index)
-        for i in range(flat.size):
-            flat[i] = count
-            count += 1.0
-    unknowns = mem.unknowns(context)
-    real, pair = mem.pivots(context, mem.REAL), mem.pivots(context, mem.COMPLEX)
-    for i in range(unknowns.size):
-        unknowns[i] = 1
-        real[i] = 2
-    for i in range(pair.size):
-        pair[i] = 3
-
-
 @compiled(i8(integers))
 def list_unknowns(context):
     return state_space_form.list_unknowns(context)
@@ -100,22 +55,22 @@ def evaluate(context, t, state, derivative):
 
 @compiled(i8(integers, f8, vector))
 def solve_real(context, c, x):
-    failed = newton_matrices.factor_real(context, c)
-    newton_matrices.solve_factored(context, mem.REAL, x)
+    failed = simplified_newton.factor_real(context, c)
+    simplified_newton.solve_factored(context, mem.REAL, x)
     return failed
 
 
 @compiled(i8(integers, f8, f8, vector))
 def solve_complex(context, c, d, x):
-    failed = newton_matrices.factor_complex(context, c, d)
-    newton_matrices.solve_factored(context, mem.COMPLEX, x)
+    failed = simplified_newton.factor_complex(context, c, d)
+    simplified_newton.solve_factored(context, mem.COMPLEX, x)
     return failed
 
 
 @compiled(f8(integers, f8, vector))
 def filtered_error(context, c, raw):
-    newton_matrices.factor_real(context, c)
-    return newton_matrices.filtered_error(context, 0.0, 0, c, raw)
+    simplified_newton.factor_real(context, c)
+    return simplified_newton.filtered_error(context, 0.0, 0, c, raw)
 
 
 @compiled(none(integers, f8, vector))
@@ -125,23 +80,23 @@ def set_tolerance(context, share, ahead):
 
 @compiled(f8(integers, f8))
 def estimate_spectrum(context, h):
-    stiffness_estimate.estimate_spectrum(context)
-    return stiffness_estimate.stiffness(context, h)
+    state_space_form.estimate_spectrum(context)
+    return state_space_form.stiffness(context, h)
 
 
 @compiled(i8(integers, f8))
 def suits_explicit(context, h):
-    return stiffness_estimate.suits_explicit(context, h)
+    return state_space_form.suits_explicit(context, h)
 
 
 @compiled(none(integers, f8))
 def predict_stages(context, h):
-    radau5_stages.predict_stages(context, h)
+    radau5.predict_stages(context, h)
 
 
 @compiled(none(integers, vector, vector))
 def write_polynomial(context, f2, f3):
-    radau5_stages.write_polynomial(context, f2, f3)
+    radau5.write_polynomial(context, f2, f3)
 
 
 @compiled(i8(integers, f8, f8))

@@ -3,7 +3,7 @@
 import pytest
 
 from runtime.integrate.implicit.stiffness_switching import successor
-from runtime.integrate.method import LEADING, METHODS, find_method
+from runtime.integrate.method import METHODS
 
 
 @pytest.mark.parametrize(
@@ -19,10 +19,3 @@ from runtime.integrate.method import LEADING, METHODS, find_method
 def test_successor(name, freedoms, rtol, expected):
     assert successor(name, freedoms, rtol) == expected
     assert expected in METHODS
-
-
-def test_it_steps_as_the_leading_explicit_method():
-    switching, explicit = find_method("auto"), find_method(LEADING)
-    assert switching.error is explicit.error
-    assert switching.nodes == explicit.nodes
-    assert switching.stages is not explicit.stages

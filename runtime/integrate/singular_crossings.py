@@ -20,12 +20,11 @@ from runtime.core.kernel_abi import find_stand_in
 from runtime.core.loop_record import Plan
 from runtime.core.outcomes import Outcome, Site
 from runtime.core.workspace_rows import Y0, Y1, K
+from runtime.integrate import crossing_step_planning as cs
 from runtime.integrate.loop import WEAK_STATES
-from runtime.integrate.problem import Problem
+from runtime.integrate.problem import Crossing, Problem
 from runtime.integrate.run_state import RunState
-from runtime.integrate.singular_crossing import crossing_step_planning as cs
 from runtime.integrate.step import Signal, TrialStep
-from runtime.integrate.trajectory import Crossing
 from runtime.singularity.motion_polynomial import Motion, hermite, taylor
 from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.singular_position_near_motion import Singularity, SingularPositions
@@ -189,7 +188,7 @@ class Crossings:
         noisy = noise * step.h > abs(step.lead) ** 3
         close = abs(step.lead) < steps.reach(position)
         if noisy and close and not self._extrapolate(motion, position):
-            return self._end(Site.NO_ACCELERATIONS)
+            return self._end(Site.NO_ACCELERATIONS, position)
         self.step, self.before = step, self._start_state()
         r["plan"], r["length_across"] = _CROSSING, step.h
         r["permitted"] = 2.0 * step.method + _ALLOWANCE * (step.rounding + step.start)
@@ -223,19 +222,20 @@ class Crossings:
             r["permitted"] = 1.01 * error  # rounding again: another step would fare no better
             return _GOING
         if self.tries > _TRIES:
-            r["index"] = int(position.rows.argmax())
             self.note = f"The step across errs by {error:.1e} times the tolerance; loosen rtol."
             if is_late:
                 self.note = (
                     "No step across has samples that meet the constraints and balances the energy; "
                     "take other instants, or loosen rtol."
                 )
-            return self._end(Site.STEPS_ACROSS)
+            return self._end(Site.STEPS_ACROSS, position)
         ahead = position.t - float(r["t"])
         return _GOING if self._approach(position, ahead) else self._cross()
 
-    def _end(self, site: Site) -> int:
-        """End the run in a singular position."""
+    def _end(self, site: Site, position: Singularity | None = None) -> int:
+        """End the run in a singular position, which names the constraint unless the loop has."""
+        if position is not None:
+            self.record["index"] = int(position.rows.argmax())
         self.record["site"] = site
         return int(Outcome.SINGULAR)
 
@@ -252,7 +252,6 @@ class Crossings:
         width = float(np.sqrt(position.gap / (position.rate * position.speed)))
         ahead = position.t - float(r["t"])
         if ahead < width and self.steps.noise(position) > width**2:
-            r["index"] = int(position.rows.argmax())
             # Twice the rtol at which both are equal.
             needed = 2.0 * self.rtol * self.steps.noise(position) / width**2
             self.note = (
@@ -260,7 +259,7 @@ class Crossings:
                 f"cross by {position.gap:.1e}, too little to be followed in rounded numbers with "
                 f"this rtol; loosen rtol to about {needed:.0e}, or make the lengths agree exactly."
             )
-            return self._end(Site.NARROW_MISS)
+            return self._end(Site.NARROW_MISS, position)
         r["plan"], r["turn"], r["length_across"] = _MISSING, position.t, 0.5 * width
         # From further away than the bend is wide, what is missed may turn out to be met.
         r["quiet"] = r["t"] + 0.5 * ahead

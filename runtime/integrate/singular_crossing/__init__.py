@@ -1,1 +1,0 @@
-"""Steps across singular configurations."""
