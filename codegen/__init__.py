@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from codegen.elements.registry import element
     from codegen.generated_files.generated_file import BuildReport
     from codegen.model import Model
+    from codegen.picture_at_start import declared_picture as declared_picture
 
 __version__ = "0.1.0"
 
@@ -56,6 +57,7 @@ _ROOMS = {
     "codegen.declare.symbols": ("SPEED", "Coordinate", "alpha", "coordinate", "given", "t"),
     "codegen.generated_files.generated_file": ("BuildReport",),
     "codegen.driver": ("build",),
+    "codegen.picture_at_start": ("declared_picture",),  # for `Model.draw`
     "codegen.elements.registry": ("element",),
 }
 _HOMES = {name: room for room, names in _ROOMS.items() for name in names}

@@ -151,14 +151,13 @@ def _emit(
     with clock("emit"):
         provenance = origin(GENERATOR, file, equations, path, settings, unroll=unroll)
         text = module_text(lowered, provenance)
-    n = len(equations.coordinates) - len(equations.states)
     scene = SceneReport(
         path=path, digest=text_hash(text), operations=dict(operation_table(lowered.program)),
         seconds=clock.seconds, model=equations.model, scene=equations.scene.name,
-        bodies=equations.bodies, coordinates=n,
-        constraints=sum(len(c.statement.rows) for c in equations.constraints),
-        degrees_of_freedom=n - findings.independent, strategy=lowered.strategy,
-        notes=findings.notes, states=tuple(state.name for state in equations.states),
+        bodies=equations.bodies, coordinates=findings.coordinates,
+        constraints=findings.constraints, degrees_of_freedom=findings.degrees_of_freedom,
+        strategy=lowered.strategy, notes=findings.notes,
+        states=tuple(state.name for state in equations.states),
         effects=tuple(e.name for e in equations.effects),
         left_out=tuple(name for name, _ in equations.left_out),
     )  # fmt: skip

@@ -3,44 +3,25 @@
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from codegen.derive.equations import derive
 from codegen.drawing.body_outlines import complete_picture
-from codegen.drawing.picture import SAMPLES, Picture
+from codegen.drawing.picture import Picture
 from codegen.lower.interpreter import FAILURES, evaluate
 from codegen.lower.kernels.picture_kernels import CURVES, NAME, lower_picture
 from codegen.lower.lowered_scene import lower
 from codegen.lower.poses_near_start import FloatArray, Poses
-from codegen.readers import arguments as readers
 from codegen.reading.scene_selection import valid_scenes, with_settings
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from codegen.model import Model
 
 
-@readers.reads(
-    scene=readers.optional(readers.scene),
-    parameters=readers.optional(readers.values('{"L": 1.2}')), assembled=readers.flag,
-    **dict.fromkeys(("dimensions", "forces", "frames", "names"), readers.flag),
-)  # fmt: skip
-def draw(
-    model: "Model", scene: Any = None, *, parameters: Mapping[str, float] | None = None,
-    assembled: bool = True, dimensions: bool = False, forces: bool = False, frames: bool = False,
-    names: bool = True,
-) -> "Figure":  # fmt: skip
-    """The figure of a declared mechanism; see `Model.draw`."""
-    from codegen.drawing.matplotlib_painter import figure
-
-    picture = picture_at_start(model, scene, parameters, assembled)
-    return figure(picture, dimensions, forces, frames=frames, names=names)
-
-
-def picture_at_start(
+def declared_picture(
     model: "Model", scene: Any = None, parameters: Mapping[str, float] | None = None,
     assembled: bool = True,
 ) -> Picture:  # fmt: skip
@@ -80,10 +61,8 @@ def picture_at_start(
         out = evaluate(picture.program, name, {"t": t, **still}, math, FAILURES)["out"]
         return np.array([out[k] for k in range(len(out))], dtype=float)
 
-    curves = np.zeros((picture.layout.curves, SAMPLES, 2))
-    for k, alpha in enumerate(np.linspace(0.0, 2.0 * np.pi, SAMPLES) if len(curves) else ()):
-        curves[:, k, :] = values(CURVES, float(alpha)).reshape(-1, 2)
-    drawn = picture.layout.picture(np.zeros(1), values(NAME, 0.0)[None], list(curves)).first
+    numbers = values(NAME, 0.0)[None]
+    drawn = picture.layout.picture(np.zeros(1), numbers, partial(values, CURVES)).first
     if assembled and closed is None:
         drawn = replace(drawn, title=f"{drawn.title}: its joints do not close from these guesses")
     return complete_picture(drawn)

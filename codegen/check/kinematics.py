@@ -36,39 +36,43 @@ PROBES = 3
 class Findings(NamedTuple):
     """Findings about the constraints of a scene."""
 
-    problems: tuple[str, ...]  # drivers that have nothing left to drive
-    notes: tuple[str, ...]
+    coordinates: int  # without states
+    constraints: int
+    redundant: int  # number of constraints that follow from others
+    problems: tuple[str, ...] = ()  # drivers that have nothing left to drive
+    notes: tuple[str, ...] = ()
     """Joints that repeat each other: a run bears with them while their parameters agree."""
-    independent: int  # number of constraints that do not follow from others
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Redundant constraints take none away."""
+        return self.coordinates - self.constraints + self.redundant
 
 
 def examine(equations: Equations, lowered: Lowered) -> Findings:
     """Look for constraints that are too many near the start values."""
     rows = [(c, row) for c in equations.constraints for row in c.statement.rows]
-    if not rows:
-        return Findings((), (), 0)
-    poses, coordinates = Poses(lowered), equations.coordinates
-    dependent = [rows[i] for i in _least_dependent(poses)]
-    independent = len(rows) - len(dependent)
-    positions = len(coordinates) - len(equations.states)
+    dependent = [rows[i] for i in _least_dependent(Poses(lowered))] if rows else []
+    positions = len(equations.coordinates) - len(equations.states)
+    found = Findings(positions, len(rows), len(dependent))
     if not dependent:
-        return Findings((), (), independent)
+        return found
     redundant = ", ".join(f"{c.name}.{row} ({c.kind})" for c, row in dependent)
     head = (
-        f"scene '{equations.scene.name}': {len(rows)} constraints on {positions} "
-        f"coordinates, of which only {independent} are independent; redundant: {redundant}."
+        f"scene '{equations.scene.name}': {len(rows)} constraints on {positions} coordinates, of "
+        f"which only {len(rows) - len(dependent)} are independent; redundant: {redundant}."
     )
     drivers = {c.name for c, _ in dependent if c.driver}
     names = " or ".join(map(repr, sorted(drivers or {c.name for c, _ in dependent})))
     if drivers:
         problem = f"{head} Remove or relax {names}: no motion is left for them to prevent."
-        return Findings((problem,), (), independent)
+        return found._replace(problems=(problem,))
     note = (
         f"{head} The scene runs as long as its parameters let them agree, at some cost, and "
         f"reactions of joints that share a load are not unique. Remove or relax {names} to "
         f"avoid both."
     )
-    return Findings((), (note,), independent)
+    return found._replace(notes=(note,))
 
 
 def _least_dependent(poses: Poses) -> list[int]:

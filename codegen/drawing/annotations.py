@@ -7,14 +7,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from codegen.drawing import shapes
-from codegen.drawing.contacts import sides_of, touch
+from codegen.drawing.contacts import nearest_side, touch
 from codegen.drawing.guides import held_places
 from codegen.drawing.picture import ARROW, BLOCK, HEAD, PIN, ROUND_ARROW, SAME, Picture, Symbol
 from codegen.drawing.plane_geometry import (
     FloatArray,
     Points,
     circle,
-    convex_hull,
     distinct,
     dot,
     head,
@@ -24,7 +23,7 @@ from codegen.drawing.plane_geometry import (
     straight_arrow,
     unit,
 )  # fmt: skip
-from codegen.drawing.shapes import Place
+from codegen.drawing.shapes import ContactSide, Place
 from codegen.drawing.styles import Stroke
 
 LARGEST = 0.32  # layout: length of the largest arrow to scale, in typical lengths
@@ -41,28 +40,14 @@ Series = Mapping[str, float | FloatArray]
 
 
 class Load(NamedTuple):
-    """A force or a torque that acts on a body, at one instant or over time.
+    """A force or a torque that acts on a body, at one instant or over time."""
 
-    Attributes
-    ----------
-    element, style
-        The element that it belongs to; "force", "reaction" or "torque".
-    label
-        What acts, and on which body.
-    at
-        Where it acts in the global frame, m.
-    value
-        The force in global axes, Fx + iFy, N; or the torque, N m.
-    place
-        The place of a body where it acts, if it is one.
-    """
-
-    element: str
-    style: str
-    label: str
-    at: Any
-    value: Any
-    place: Place | None = None
+    element: str  # to which it belongs
+    style: str  # "force", "reaction" or "torque"
+    label: str  # what acts, and on which body
+    at: Any  # where it acts in the global frame, m
+    value: Any  # the force in global axes, Fx + iFy, N; or the torque, N m
+    place: Place | None = None  # of a body where it acts, if it is one
 
     @property
     def size(self) -> float:
@@ -109,7 +94,7 @@ def _exerted(
                 fx, fy = (0.0 if part is None else part for part in parts)
                 yield "reaction", on, x + 1j * y, (fx + 1j * fy) * (ux + 1j * uy), name
             yield "torque", on, x + 1j * y, exerted("torque"), name
-        case shapes.ContactSide() as side if (push := exerted(side.force)) is not None:
+        case ContactSide() as side if (push := exerted(side.force)) is not None:
             force = push * _is_nearest(picture, symbol, side) * (side.gx + 1j * side.gy)
             yield "reaction", side.body, touch(picture, side).point, force, ""
         case shapes.Drive(j=j, turns=True):
@@ -127,19 +112,17 @@ def _exerted(
             yield "torque", i.body, j, exerted("torque"), ""
 
 
-def _is_nearest(picture: Picture, symbol: Symbol, own: shapes.ContactSide) -> Any:
+def _is_nearest(picture: Picture, symbol: Symbol, own: ContactSide) -> Any:
     """1 where no other side with this force and body has a smaller gap, else 0.
 
     A rigid stop has one force for both of its limits, of which the nearer exerts it.
     """
     rivals = [
-        side for one, side in sides_of(picture)
+        side for one, side in picture.having(ContactSide)
         if (one.element, side.force, side.body) == (symbol.element, own.force, own.body)
     ]  # fmt: skip
-    gaps = np.array(np.broadcast_arrays(*(side.gap for side in rivals)))
-    nearest = np.argmin(np.where(np.isnan(gaps), np.inf, gaps), axis=0)
     number = next(k for k, side in enumerate(rivals) if side is own)
-    return np.where(nearest == number, 1.0, 0.0)[()]
+    return np.where(nearest_side(rivals) == number, 1.0, 0.0)[()]
 
 
 def acting_loads(picture: Picture, series: Series | None = None) -> list[Load]:
@@ -161,12 +144,7 @@ def drawn_loads(
 ) -> list[tuple[Load, list[Stroke]]]:
     """What acts at one instant, each with its arrow: shaft and head.
 
-    Parameters
-    ----------
-    scale
-        Length of an arrow per force, m/N; None: arrows of one length.
-    series
-        Reactions of joints, drivers and contacts.
+    Arrows have a length per force of `scale`, m/N, or all one length.
     """
     size, acting = picture.size, acting_loads(picture, series)
     strongest, found = _largest(acting, "N m"), []
@@ -246,19 +224,21 @@ def dimensions(picture: Picture) -> Iterator[Points]:
     """The pairs of places (2,) whose distances a drawing with dimensions has, m.
 
     Of each body the distances between neighbouring places: along a line where they lie on one, else
-    round their convex hull, of which no more than `MOST_EDGES` edges are measured.
+    round their middle, no more than `MOST_EDGES`.
     """
     measured = tuple(s for s in picture.symbols if s.role == "joint"
                      or isinstance(s.shape, shapes.Spring))  # fmt: skip
     chosen = Picture("", picture.bodies, picture.poses, measured)
     for number in range(len(picture.bodies)):
         points = distinct(held_places(chosen, number), SAME * picture.size)
-        hull = convex_hull(points)
-        if len(hull) == 2:
-            hull = points[np.argsort(dot(hull[1] - hull[0], points))]
-        elif len(hull) > 2:
-            hull = np.append(hull, hull[0])[: MOST_EDGES + 1]
-        yield from (picture.placed(np.array(pair), number) for pair in pairwise(hull))
+        away = points - points[:1]
+        way = unit(away[np.argmax(abs(away))]) if len(points) else 1.0
+        if np.all(abs(dot(1j * way, away)) < SAME * picture.size):
+            line = points[np.argsort(dot(way, away))]
+        else:
+            ring = points[np.argsort(np.angle(points - points.mean()))]
+            line = np.append(ring, ring[:1])[: MOST_EDGES + 1]
+        yield from (picture.placed(np.array(pair), number) for pair in pairwise(line))
 
 
 def dimension_lines(picture: Picture) -> list[list[Stroke]]:
@@ -270,7 +250,7 @@ def dimension_lines(picture: Picture) -> list[list[Stroke]]:
     size = picture.size
     outlines = [
         picture.placed(polygon, number)
-        for number, body in enumerate(picture.bodies) for polygon in body.polygons
+        for number, body in enumerate(picture.bodies) for polygon in body.outlines
     ]  # fmt: skip
     middle = np.concatenate(outlines or [origin(picture.poses)]).mean()
     found: list[list[Stroke]] = []

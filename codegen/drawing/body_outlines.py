@@ -5,9 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from codegen.drawing.contacts import contact_line, heights, is_far, sides_of
+from codegen.drawing.contacts import contact_line, heights, is_far
 from codegen.drawing.guides import (
-    block_half_length,
     circles_of,
     guide_ends,
     guide_of,
@@ -25,7 +24,6 @@ from codegen.drawing.picture import (
     PARTICLE,
     SAME,
     BodyPicture,
-    Outline,
     Picture,
 )
 from codegen.drawing.plane_geometry import (
@@ -39,7 +37,7 @@ from codegen.drawing.plane_geometry import (
     rounded_hull,
     unit,
 )  # fmt: skip
-from codegen.drawing.shapes import Profile, Rack, Slide, Slot, Wheel, places
+from codegen.drawing.shapes import ContactSide, Profile, Rack, Slide, Slot, Wheel, places
 
 
 def complete_picture(picture: Picture) -> Picture:
@@ -57,6 +55,8 @@ def typical_length(picture: Picture) -> float:
     of contacts count where a body comes near.
     """
     points = [picture.at(place) for symbol in picture.symbols for place in places(symbol.shape)]
+    for _, profile in picture.having(Profile):
+        points += [*picture.placed(profile.curve.points, profile.curve.body)]
     for symbol in picture.symbols:
         for place, radius in circles_of(symbol.shape):
             points += [picture.at(place) + way * radius for way in (-1 - 1j, 1 + 1j)]
@@ -64,9 +64,9 @@ def typical_length(picture: Picture) -> float:
         if number > 0 and len(distinct(held_places(picture, number), 0.0)) < 2:
             points.append(origin(picture.poses[number]))
         if not body.is_derived:
-            points += [z for line in body.polygons for z in picture.placed(line, number)]
+            points += [z for line in body.outlines for z in picture.placed(line, number)]
     length = _diagonal(points)
-    for _, side in sides_of(picture):
+    for _, side in picture.having(ContactSide):
         line = contact_line(picture, side)
         near = length == 0.0 or not is_far(heights(picture, side), length)
         if side.is_grounded and near:
@@ -98,7 +98,7 @@ def derived_outlines(picture: Picture) -> tuple[BodyPicture, ...]:
     )
 
 
-def _outlines(picture: Picture, body: int) -> tuple[Outline, ...]:
+def _outlines(picture: Picture, body: int) -> tuple[Points, ...]:
     """The polygons of all shapes of a body, and those that connect them."""
     held, half_width = held_places(picture, body), BAR * picture.size
     polygons: list[Points] = []
@@ -112,9 +112,9 @@ def _outlines(picture: Picture, body: int) -> tuple[Outline, ...]:
                     bars.append(guide_ends(picture, guide))
                     polygons.append(rounded_hull(bars[-1], half_width))
                 if guide.block.body == body and parallel_rack(picture, guide) is None:
-                    reach, across = block_half_length(picture, guide), BLOCK[1] * picture.size
                     seats.append(guide.block.point)
-                    polygons.append(box(seats[-1], guide.along_in_block, reach, across))
+                    sides = (side * picture.size for side in BLOCK)
+                    polygons.append(box(seats[-1], guide.along_in_block, *sides))
             case Slot() as shape if shape.i.body == body:
                 bars.append(slot_ends(picture, guide_of(picture, shape)))
                 polygons.append(rounded_hull(bars[-1], CHEEK * picture.size))
@@ -127,9 +127,9 @@ def _outlines(picture: Picture, body: int) -> tuple[Outline, ...]:
                     first, last = bars[-1]
                     along, reach = unit(last - first), abs(last - first) / 2
                     polygons.append(box((first + last) / 2, along, reach, half_width))
-            case Profile() as shape if shape.curve[0].body == body:
+            case Profile((on, curve)) if on == body:
                 seats.append(0j)
-                polygons += _profile(shape.points, held, picture.size)
+                polygons += _profile(curve, held, picture.size)
             case shape:
                 for place, radius in circles_of(shape):
                     if place.body == body:
@@ -139,7 +139,7 @@ def _outlines(picture: Picture, body: int) -> tuple[Outline, ...]:
     middle = complex(np.mean([*seats, *held])) if len(seats) + len(held) else 0j
     seats += [_nearest(bar, middle) for bar in bars]
     polygons += _links(np.array([*held, *seats], dtype=complex), len(seats) > 0, picture.size)
-    return tuple(tuple(polygon.tolist()) for polygon in polygons)
+    return tuple(polygons)
 
 
 def _profile(curve: Points, held: Points, size: float) -> Iterator[Points]:

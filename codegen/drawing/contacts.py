@@ -8,11 +8,12 @@ curvature f - g_φφ n/|G|, which is fixed in the body for a corner and for a ci
 All of it holds at one instant as for a picture in motion, then with a value for each instant.
 """
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from codegen.drawing.picture import BLOCK, HATCH, SAME, Picture, Symbol
+from codegen.drawing.picture import BLOCK, HATCH, Picture
 from codegen.drawing.plane_geometry import (
     FloatArray,
     Points,
@@ -34,36 +35,18 @@ REACH = 0.5  # layout: typical lengths above a surface within which a body makes
 
 
 class ContactLine(NamedTuple):
-    """The line of a contact's force on a body.
+    """The line of a contact's force on a body; not a number where the gap has no slopes."""
 
-    Attributes
-    ----------
-    foot, normal
-        The point of the line that is nearest to the body's origin, and its direction, towards the
-        body, m; not a number where the gap does not change with the body's place.
-    gap
-        The distance that is left, m.
-    arm
-        From the centre of curvature up to the foot, m.
-    is_round
-        Whether that centre is fixed in the body, which touches with a corner or a circle.
-    """
-
-    foot: Any
-    normal: Any
-    gap: Any
-    arm: Any
-    is_round: bool
+    foot: Any  # its point that is nearest to the body's origin, m
+    normal: Any  # its direction, towards the body
+    gap: Any  # the distance that is left, m
+    arm: Any  # from the centre of curvature up to the foot, m
+    is_round: bool  # whether that centre is fixed in the body: a corner or a circle touches
 
     @property
     def center(self) -> Any:
         """The centre of curvature of the body where it touches, m."""
         return self.foot - self.arm * self.normal
-
-
-def sides_of(picture: Picture) -> list[tuple[Symbol, ContactSide]]:
-    """The symbols and shapes of all sides of contacts."""
-    return picture.having(ContactSide)
 
 
 def contact_line(picture: Picture, side: ContactSide) -> ContactLine:
@@ -79,13 +62,19 @@ def contact_line(picture: Picture, side: ContactSide) -> ContactLine:
     return ContactLine(foot, normal, side.gap / size, side.bend / size, is_round)
 
 
+def nearest_side(sides: Sequence[ContactSide]) -> Any:
+    """The number of the side with the smallest gap."""
+    gaps = np.array(np.broadcast_arrays(*(side.gap for side in sides)))
+    return np.argmin(np.where(np.isnan(gaps), np.inf, gaps), axis=0)
+
+
 def _reach_of_outlines(picture: Picture, side: ContactSide, line: ContactLine) -> Any:
     """How far below the foot, against the normal, the body's outlines end on the line, m.
 
     A corner or a circle ends at the outline's distance from its centre. Where no outline meets the
     line, the body is taken for a point at the centre of curvature.
     """
-    polygons = picture.bodies[side.body].polygons
+    polygons = picture.bodies[side.body].outlines
     if line.is_round:
         centers = np.atleast_1d(picture.in_body(line.center, side.body))
         at = centers[np.isfinite(centers)][:1]
@@ -134,22 +123,12 @@ def is_far(gaps: FloatArray, size: float) -> bool:
 
 
 class Surface(NamedTuple):
-    """A straight surface of the ground.
-
-    Attributes
-    ----------
-    element
-        The contact, or the first of several with the same surface.
-    middle, normal
-        Its middle, m, and its direction towards the body.
-    half
-        Half its length, m.
-    """
+    """A straight surface of the ground, of a contact."""
 
     element: str
-    middle: Any
-    normal: Any
-    half: float
+    middle: Any  # m
+    normal: Any  # towards the body
+    half: float  # half its length, m
 
     @property
     def along(self) -> Any:
@@ -169,13 +148,12 @@ def surfaces(picture: Picture, fixed: bool) -> list[Surface]:
     In a motion a surface that keeps its direction is as long as its body travels along it while it
     is near.
     """
-    found: list[Surface] = []
-    for symbol, side in sides_of(picture):
-        if side.is_grounded and side.is_fixed == fixed:
-            one = _surface_of(picture, symbol.element, side)
-            if one is not None:
-                found = _joined(found, one, picture.size)
-    return found
+    found = (
+        _surface_of(picture, symbol.element, side)
+        for symbol, side in picture.having(ContactSide)
+        if side.is_grounded and side.is_fixed == fixed
+    )
+    return [one for one in found if one is not None]
 
 
 def _surface_of(picture: Picture, element: str, side: ContactSide) -> Surface | None:
@@ -187,7 +165,7 @@ def _surface_of(picture: Picture, element: str, side: ContactSide) -> Surface | 
     if side.is_stop:
         return Surface(element, at, normal, PLATE * BLOCK[1] * size)
     along = -1j * normal
-    polygons = picture.bodies[side.body].polygons or [np.zeros(1)]
+    polygons = picture.bodies[side.body].outlines or (np.zeros(1),)
     corners = picture.placed(np.concatenate(polygons), side.body)
     half = max(HALF * size, WIDTH_SHARE * float(np.ptp(dot(along, corners))))
     if side.is_level and picture.motion is not None:
@@ -198,20 +176,6 @@ def _surface_of(picture: Picture, element: str, side: ContactSide) -> Surface | 
         at += ((first + last) / 2 - dot(along, origin(here))) * along
         half += (last - first) / 2
     return Surface(element, at, normal, half)
-
-
-def _joined(found: list[Surface], one: Surface, size: float) -> list[Surface]:
-    """The surfaces with another one, which lengthens one in the same plane that is near."""
-    for k, other in enumerate(found):
-        away = (one.middle - other.middle) * other.along.conjugate()
-        is_same = dot(other.normal, one.normal) > 1 - 1e-9 and abs(away.imag) < SAME * size
-        if is_same and abs(away.real) < other.half + one.half + HALF * size:
-            first = min(-other.half, away.real - one.half)
-            last = max(other.half, away.real + one.half)
-            middle = other.middle + (first + last) / 2 * other.along
-            wide = other._replace(middle=middle, half=(last - first) / 2)
-            return [*found[:k], wide, *found[k + 1 :]]
-    return [*found, one]
 
 
 def moving_surfaces(picture: Picture) -> list[Surface]:

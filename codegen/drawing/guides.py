@@ -5,12 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from codegen.drawing.contacts import contact_line, sides_of
+from codegen.drawing.contacts import contact_line
 from codegen.drawing.picture import BAR, BLOCK, SAME, Picture
-from codegen.drawing.plane_geometry import Points, crossings, dot, in_frame, unit
+from codegen.drawing.plane_geometry import FloatArray, Points, crossings, dot, in_frame, unit
 from codegen.drawing.shapes import (
     Bearing,
     Belt,
+    ContactSide,
     Fixing,
     Force,
     Mark,
@@ -29,6 +30,7 @@ from codegen.drawing.shapes import (
     places,
 )  # fmt: skip
 
+STILL = 0.18  # layout: room of a guide or slot without a motion on both sides, typical lengths
 _HOLDING = (Pin, Rod, Fixing, Bearing, Spring, Mark, Force, Trace)
 
 
@@ -53,7 +55,7 @@ def held_places(picture: Picture, body: int) -> Points:
         for place in places(shape)
         if place.body == body
     ]
-    for _, side in sides_of(picture):
+    for _, side in picture.having(ContactSide):
         if side.body == body and (side.turn or side.bend):
             center = contact_line(picture, side).center
             found += [picture.in_body(center, body)] if np.isfinite(center) else []
@@ -61,26 +63,17 @@ def held_places(picture: Picture, body: int) -> Points:
 
 
 class Guide(NamedTuple):
-    """The guide of a slide or slot: on which body, through which place, along which direction.
+    """The guide of a slide or slot.
 
-    Attributes
-    ----------
-    body
-        The body that has the guide: the ground where it takes part, since a block that slides in
-        the ground is as well a guide that slides over a block.
-    block
-        The place of the other body that stays on it.
-    origin, along
-        A place on the guide and its direction, in the frame of `body`.
-    along_in_block
-        The direction of the guide in the frame of the other body.
+    A block that slides in the ground is as well a guide that slides over a block: it is the guide
+    of the ground where that takes part.
     """
 
-    body: int
-    block: Place
-    origin: complex
-    along: complex
-    along_in_block: complex
+    body: int  # that has the guide
+    block: Place  # of the other body, that stays on it
+    origin: complex  # a place on the guide, in the frame of `body`
+    along: complex  # its direction there
+    along_in_block: complex  # and in the frame of the other body
 
 
 def guide_of(picture: Picture, shape: Slide | Slot) -> Guide:
@@ -94,85 +87,36 @@ def guide_of(picture: Picture, shape: Slide | Slot) -> Guide:
 
 
 def _travel(
-    picture: Picture, place: Place, body: int, start: complex, along: complex
-) -> tuple[float, float]:
-    """Least and greatest position of a place along a line of another body, from `start`, m."""
+    picture: Picture, place: Place, body: int, start: complex, along: complex, room: float
+) -> FloatArray:
+    """Least and greatest position of a place along a line of another body, from `start`, (2,), m.
+
+    It is wider by some room, in typical lengths; without a motion by more of it.
+    """
     poses = picture.poses[None] if picture.motion is None else picture.motion
     s = dot(along, in_frame(picture.path(place), poses[:, body]) - start)
-    return float(s.min()), float(s.max())
+    more = (STILL if picture.motion is None else room) * picture.size
+    return np.array([s.min() - more, s.max() + more])
 
 
 def slot_ends(picture: Picture, guide: Guide) -> Points:
-    """Where a slot begins and ends, in the frame of its body, (2,), m.
-
-    It covers the travel of its pin; without a motion, and some way to either side.
-    """
-    first, last = _travel(picture, guide.block, guide.body, guide.origin, guide.along)
-    room = 0.02 * picture.size
-    if picture.motion is None:
-        circle = _crank_circle(picture, guide, first)
-        if circle is None:
-            room = 0.09 * picture.size
-        else:
-            first, last = min(first, *circle), max(last, *circle)
-    return guide.origin + np.array([first - room, last + room]) * guide.along
-
-
-def _crank_circle(picture: Picture, guide: Guide, now: float) -> tuple[float, float] | None:
-    """The travel of a pin in a slot, where its body turns about a pin on the ground, m.
-
-    A slot that turns about the ground itself sees distances from its own pin; another one sees the
-    circle from the side.
-    """
-    center, own = (_ground_pin(picture, body) for body in (guide.block.body, guide.body))
-    if center is None:
-        return None
-    radius = abs(picture.at(guide.block) - center)
-    seen = center if own is None else own
-    middle = dot(guide.along, picture.in_body(seen, guide.body) - guide.origin)
-    if own is None:
-        return middle - radius, middle + radius
-    reach = abs(center - own)
-    way = 1.0 if now >= middle else -1.0
-    return middle + way * abs(reach - radius), middle + way * (reach + radius)
-
-
-def _ground_pin(picture: Picture, body: int) -> complex | None:
-    """Where a body turns about the ground, in the global frame."""
-    for _, pin in picture.having(Pin):
-        ends = pin.i.body, pin.j.body
-        if body in ends and any(map(picture.is_ground, ends)):
-            return complex(picture.at(pin.i))
-    return None
-
-
-def block_half_length(picture: Picture, guide: Guide) -> float:
-    """Half the length of a block, m: less where other blocks are near."""
-    at = picture.at(guide.block)
-    others = [guide_of(picture, shape).block for _, shape in picture.having(Slide)]
-    distances = [abs(picture.at(other) - at) for other in others]
-    nearest = min((d for d in distances if d > SAME * picture.size), default=np.inf)
-    return float(min(BLOCK[0] * picture.size, 0.28 * nearest))
+    """Where a slot begins and ends, in the frame of its body, (2,), m: where its pin travels."""
+    ends = _travel(picture, guide.block, guide.body, guide.origin, guide.along, 0.02)
+    return np.asarray(guide.origin + ends * guide.along)
 
 
 def guide_ends(picture: Picture, guide: Guide) -> Points:
     """Where a guide begins and ends, in the frame of its body, (2,), m.
 
-    It covers the travel of its block, which it exceeds so that one sees it, and the other places of
-    its body that lie on the same line, at the outermost of which it ends; without a motion it is
-    longer than the block by its own length and more.
+    It exceeds the travel of its block, so that one sees it, and covers the other places of its body
+    that lie on the same line.
     """
-    first, last = _travel(picture, guide.block, guide.body, guide.origin, guide.along)
-    room = (1.6 * BLOCK[0] if picture.motion is not None else 0.22) * picture.size
-    first, last = first - room, last + room
+    room = 1.6 * BLOCK[0]
+    ends = _travel(picture, guide.block, guide.body, guide.origin, guide.along, room)
     if guide.body:
         held = (held_places(picture, guide.body) - guide.origin) * guide.along.conjugate()
-        on_line = held.real[abs(held.imag) < SAME * picture.size]
-        middle = (first + last) / 2
-        least, most = on_line.min(initial=np.inf), on_line.max(initial=-np.inf)
-        first = least if least < min(middle, first + room) else first
-        last = most if most > max(middle, last - room) else last
-    return guide.origin + np.array([first, last]) * guide.along
+        ends = np.append(ends, held.real[abs(held.imag) < SAME * picture.size])
+    return np.asarray(guide.origin + np.array([ends.min(), ends.max()]) * guide.along)
 
 
 def below(ends: Points, distance: float) -> Points:
@@ -206,7 +150,7 @@ def _rail_distance(picture: Picture, guide: Guide) -> float:
     body = picture.bodies[guide.block.body]
     if body.outlines and not body.is_derived:
         down = -down if is_upright else down
-        seen = [(line - guide.block.point) * turn * down.conjugate() for line in body.polygons]
+        seen = [(line - guide.block.point) * turn * down.conjugate() for line in body.outlines]
         return float(np.nanmax([0.0, *(z for line in seen for z in crossings(line))]))
     return BLOCK[1] * picture.size
 
@@ -225,13 +169,14 @@ def rack_ends(picture: Picture, shape: Rack) -> Points:
 
     It covers where the wheels of its element touch it, and a part of their circles more.
     """
-    first, last, room = 0.0, 0.0, 0.25 * picture.size
+    ends = np.array([-0.25, 0.25]) * picture.size
     for profile in picture.partners(shape, Profile):
-        room = 0.8 * float(np.max(abs(profile.points - profile.points.mean())))
+        curve = profile.curve.points
+        ends = np.array([-0.8, 0.8]) * np.max(abs(curve - curve.mean()))
     for wheel in picture.partners(shape, Wheel):
-        first, last = _travel(picture, wheel.center, shape.i.body, shape.i.point, shape.along)
-        room = abs(wheel.radius) * (2.2 if picture.motion is None else 1.1)
-    return np.asarray(shape.i.point + np.array([first - room, last + room]) * shape.along)
+        room = 1.1 * abs(wheel.radius) / picture.size
+        ends = _travel(picture, wheel.center, shape.i.body, shape.i.point, shape.along, room)
+    return np.asarray(shape.i.point + ends * shape.along)
 
 
 def rack_side(picture: Picture, shape: Rack) -> float:
@@ -240,10 +185,11 @@ def rack_side(picture: Picture, shape: Rack) -> float:
     Where the element has neither, it is the upper side.
     """
     heading = picture.turned(shape.along, shape.i.body)
-    wheels = [[wheel.center] for wheel in picture.partners(shape, Wheel)]
-    for curve in [*wheels, *(cam.curve for cam in picture.partners(shape, Profile))]:
-        away = np.mean([picture.at(place) for place in curve]) - picture.at(shape.i)
-        return 1.0 if dot(1j * heading, away) >= 0 else -1.0
+    centers = [picture.at(wheel.center) for wheel in picture.partners(shape, Wheel)]
+    curves = [profile.curve for profile in picture.partners(shape, Profile)]
+    centers += [picture.placed(points.mean(), body) for body, points in curves]
+    if centers:
+        return 1.0 if dot(1j * heading, centers[0] - picture.at(shape.i)) >= 0 else -1.0
     return 1.0 if heading.real >= 0 else -1.0
 
 
@@ -306,66 +252,53 @@ def rack_profile(rack: Rack, ends: Points, module: float, side: float, phase: fl
     return np.asarray(rack.i.point + rack.along * np.concatenate([a, teeth, b[::-1]]))
 
 
+def pitch_point(picture: Picture, one: Wheel | Rack, other: Wheel | Rack) -> complex:
+    """Where the pitch circle of a gear touches that of another one, or the line of a rack."""
+    if isinstance(one, Rack):
+        one, other = other, one
+    assert isinstance(one, Wheel)
+    center = picture.at(one.center)
+    if isinstance(other, Wheel):  # a ring has a negative radius
+        share = one.radius / (one.radius + other.radius)
+        return complex(center + share * (picture.at(other.center) - center))
+    at, along = picture.at(other.i), picture.turned(other.along, other.i.body)
+    return complex(at + dot(along, center - at) * along)
+
+
 class Meshing:
-    """The teeth of all gears of a picture, in phase where two gears or a gear and a rack meet.
+    """The teeth of all gears and racks of a picture, in phase where two of them meet.
 
-    The phase of a gear that meets several others follows from the first; so it does in a train.
-
-    Attributes
-    ----------
-    module
-        Pitch over π, m, of all teeth.
-    phases
-        Wheel → angle of the middle of a tooth in the wheel's body, rad.
+    `module` is the pitch over π, m, of all teeth. In `phases` stand for a wheel the angle of the
+    middle of a tooth in its body, rad, and for a rack its position from its place, m. That of one
+    that meets several others follows from the first; so it does in a train.
     """
 
     def __init__(self, picture: Picture) -> None:
         self.picture, self.module = picture, tooth_module(picture)
-        self.phases: dict[Wheel, float] = {}
-        pairs: dict[str, list[Wheel]] = {}
-        for symbol, wheel in picture.having(Wheel):
-            if wheel.toothed:
-                pairs.setdefault(symbol.element, []).append(wheel)
+        self.phases: dict[Wheel | Rack, float] = {}
+        pairs: dict[str, list[Wheel | Rack]] = {}
+        for symbol in picture.symbols:
+            if isinstance(symbol.shape, Wheel | Rack) and symbol.shape.toothed:
+                pairs.setdefault(symbol.element, []).append(symbol.shape)
         waiting = [pair for pair in pairs.values() if len(pair) == 2]
         while waiting:
-            is_met = [any(wheel in self.phases for wheel in pair) for pair in waiting]
+            is_met = [any(shape in self.phases for shape in pair) for pair in waiting]
             first, second = waiting.pop(is_met.index(True) if any(is_met) else 0)
             if second in self.phases and first not in self.phases:
                 first, second = second, first
-            self.phases.setdefault(first, 0.0)
-            if second not in self.phases:
-                self.phases[second] = self._meeting_phase(first, second)
+            known = self.phases.setdefault(first, 0.0)
+            at = pitch_point(picture, first, second)
+            (s, pitch, way), (other_s, other_pitch, other_way) = (
+                self._place_on(shape, at) for shape in (first, second)
+            )
+            ahead = (s - known) / pitch * np.sign(dot(way, other_way))  # a gap meets a tooth
+            self.phases.setdefault(second, float(other_s - (ahead + 0.5) * other_pitch))
 
-    def phase(self, wheel: Wheel) -> float:
-        """The angle of a tooth's middle in the frame of the wheel's body, rad."""
-        return self.phases.get(wheel, 0.0)
-
-    def _pitches_ahead(self, wheel: Wheel, heading: float) -> float:
-        """How far a direction, rad in global axes, is ahead of a tooth of a wheel, in pitches."""
-        angle = heading - self.phase(wheel) - self.picture.poses[wheel.center.body, 2]
-        return float(angle * teeth_of(wheel.radius, self.module) / (2 * np.pi))
-
-    def _meeting_phase(self, first: Wheel, second: Wheel) -> float:
-        """The phase of the second of two gears, whose teeth meet the gaps of the first."""
-        to_second = self.picture.at(second.center) - self.picture.at(first.center)
-        heading = float(np.angle(to_second))
-        if min(first.radius, second.radius) < 0:
-            if abs(second.radius) > abs(first.radius):
-                heading = float(np.angle(-to_second))  # from the ring's centre to the pinion's
-            meeting, there = heading, 0.5 + self._pitches_ahead(first, heading)
-        else:
-            meeting, there = heading + np.pi, 0.5 - self._pitches_ahead(first, heading)
-        pitch = 2 * np.pi / teeth_of(second.radius, self.module)
-        return float(meeting - there * pitch - self.picture.poses[second.center.body, 2])
-
-    def rack_phase(self, rack: Rack) -> float:
-        """The position of a tooth's middle along the rack from its place, m."""
-        for wheel in self.picture.partners(rack, Wheel):
-            along = self.picture.turned(rack.along, rack.i.body)
-            away = self.picture.at(wheel.center) - self.picture.at(rack.i)
-            s, height = dot(along, away), dot(1j * along, away)
-            contact = float(np.angle(-height * 1j * along))
-            # the rim at the contact runs along the rack as the gear turns, by the rack's side
-            ahead = (1.0 if height >= 0 else -1.0) * self._pitches_ahead(wheel, contact)
-            return float(s + (0.5 - ahead) * np.pi * self.module)
-        return 0.0
+    def _place_on(self, shape: Wheel | Rack, at: complex) -> tuple[float, float, complex]:
+        """The position of a place on a pitch line, the pitch in its unit, and the line's way."""
+        if isinstance(shape, Rack):
+            along = self.picture.turned(shape.along, shape.i.body)
+            return float(dot(along, at - self.picture.at(shape.i))), np.pi * self.module, along
+        arm = at - self.picture.at(shape.center)
+        angle = float(np.angle(arm) - self.picture.poses[shape.center.body, 2])
+        return angle, 2 * np.pi / teeth_of(shape.radius, self.module), 1j * arm

@@ -1,7 +1,5 @@
 """The strokes that are fixed in bodies: pins, supports, guides, wheels, racks, profiles."""
 
-from typing import Any
-
 import numpy as np
 
 from codegen.drawing import shapes
@@ -55,7 +53,7 @@ def lines_in_bodies(picture: Picture) -> list[Stroke]:
         lines.element = surface.element
         for style, points in surface.lines(picture.size):
             lines.add(style, 0, points)
-    return lines.once()
+    return lines.found
 
 
 class _Lines:
@@ -66,15 +64,6 @@ class _Lines:
         self.meshing = Meshing(picture)
         self.element = ""
         self.found: list[Stroke] = []
-
-    def once(self) -> list[Stroke]:
-        """The strokes without those that an earlier element has drawn at the same place."""
-        kept: dict[Any, Stroke] = {}
-        for number, stroke in enumerate(self.found):
-            at = complex(np.round(stroke.points.mean() / (SAME * self.picture.size)))
-            own = number if stroke.style in ("hatch", "rail", "rack") else -1
-            kept.setdefault((stroke.style, stroke.body, len(stroke.points), at, own), stroke)
-        return list(kept.values())
 
     def add(self, style: str, body: int, points: Points, closed: bool = False) -> None:
         self.found.append(Stroke(style, body, points, closed, self.element))
@@ -125,8 +114,8 @@ class _Lines:
                 self._wheel(shape)
             case shapes.Rack():
                 self._rack(shape)
-            case shapes.Profile():
-                self.add("profile", shape.curve[0].body, shape.points, is_closed(shape.points))
+            case shapes.Profile((body, points)):
+                self.add("profile", body, points, is_closed(points))
             case shapes.Mark(at) | shapes.Trace(at):
                 for way in (1 + 1j, 1 - 1j):
                     self.add("mark", at.body, at.point + 0.6 * pin * way * np.array([-1, 1]))
@@ -136,12 +125,13 @@ class _Lines:
         if self.picture.is_ground(place.body):
             return False
         at, needed = place.point, 0.6 * SUPPORT * self.picture.size
-        polygons = self.picture.bodies[place.body].polygons + [
+        wheels = [
             circle(center.point, radius)
             for symbol in self.picture.symbols
             for center, radius in circles_of(symbol.shape)
             if center.body == place.body
         ]
+        polygons = [*self.picture.bodies[place.body].outlines, *wheels]
         return any(contains(one, at) and distance_to_edge(one, at) > needed for one in polygons)
 
     def _support(self, place: Place, before: str = "") -> None:
@@ -179,21 +169,14 @@ class _Lines:
         if not picture.is_ground(place.body):
             self.add("fixing", place.body, box(at, 1.0, half, half), True)
             return
-        held = [
-            picture.at(one)
-            for symbol in picture.symbols
-            for one in shapes.places(symbol.shape)
-            if one.body == other.body
-        ]
-        far = max(held, key=lambda p: abs(p - at), default=at)
-        is_apart = abs(far - at) > SAME * picture.size
-        self._wall(place, far - at if is_apart else picture.placed(0j, other.body) - at)
+        toward = picture.placed(0j, other.body) - at
+        self._wall(place, toward if abs(toward) > SAME * picture.size else 1.0)
 
     def _wheel(self, wheel: shapes.Wheel) -> None:
         center, body, module = wheel.center.point, wheel.center.body, self.meshing.module
         radius = abs(wheel.radius)
         if wheel.toothed:
-            phase = self.meshing.phase(wheel)
+            phase = self.meshing.phases.get(wheel, 0.0)
             teeth = center + gear_profile(radius, module, phase, wheel.is_ring)
             if wheel.is_ring:
                 rim = circle(center, radius + 3 * module, 96)
@@ -220,7 +203,7 @@ class _Lines:
         for number, body in enumerate(self.picture.bodies):
             held = distinct(held_places(self.picture, number), SAME * self.picture.size)
             if body.is_derived and len(body.outlines) == len(held) == 1 and number not in wheels:
-                radii = abs(body.polygons[0] - held[0])
+                radii = abs(body.outlines[0] - held[0])
                 if len(radii) > ROUND // 2 and np.ptp(radii) < 1e-6 * radii.max():
                     self.element = body.name
                     self._spoke(number, held[0], radii.max())
@@ -229,7 +212,7 @@ class _Lines:
         body, ends = rack.i.body, rack_ends(self.picture, rack)
         side = rack_side(self.picture, rack)
         if rack.toothed:
-            phase = self.meshing.rack_phase(rack)
+            phase = self.meshing.phases.get(rack, 0.0)
             self.add("gear", body, rack_profile(rack, ends, self.meshing.module, side, phase), True)
         elif self.picture.is_ground(body):
             self.add_ground(body, ends, -side)

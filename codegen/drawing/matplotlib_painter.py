@@ -16,13 +16,13 @@ from codegen.drawing.annotations import (
     frame_strokes,
     trace_strokes,
 )
-from codegen.drawing.labels import Writer
+from codegen.drawing.labels import Writer, labels
 from codegen.drawing.lines_between_bodies import lines_between_bodies
 from codegen.drawing.lines_in_bodies import lines_in_bodies
 from codegen.drawing.picture import Picture
 from codegen.drawing.plane_geometry import FloatArray, Points, origin, pairs
-from codegen.drawing.shapes import Force, Torque, own_places
-from codegen.drawing.styles import LIGHT, STYLES, Stroke, colors_of, ordered
+from codegen.drawing.shapes import Force, Torque
+from codegen.drawing.styles import LIGHT, STYLES, Stroke, color_of, ordered
 from codegen.presentation import new_figure
 
 if TYPE_CHECKING:
@@ -44,20 +44,16 @@ SIDE = 0.75  # layout: room beside the axes of a movie, inches
 
 
 def figure(
-    picture: Picture,
-    dimensions: bool = False,
-    forces: bool = False,
-    *,
-    frames: bool = False,
-    names: bool = True,
-    series: Series | None = None,
-) -> "Figure":
-    """Draw a picture.
+    picture: Picture, dimensions: bool = False, forces: bool = False, *, frames: bool = False,
+    names: bool = True, series: Series | None = None,
+) -> "Figure":  # fmt: skip
+    """Draw a picture, whose bodies all have outlines: see `body_outlines.complete_picture`.
+
+    Places of a joint that do not coincide are joined by a dashed line that says how far they are
+    apart.
 
     Parameters
     ----------
-    picture
-        With outlines of all bodies: see `body_outlines.complete_picture`.
     dimensions
         Distances between the places of each body, in m, to four digits.
     forces
@@ -70,11 +66,6 @@ def figure(
     series
         Reactions of joints, drivers and contacts by the names of their series: forces in N in the
         joint's axes, and torques in N m, that act on its second body.
-
-    Returns
-    -------
-    A figure of Matplotlib; places of a joint that do not coincide are joined by a dashed line that
-    says how far they are apart.
 
     Raises
     ------
@@ -92,12 +83,8 @@ def figure(
         *(trace_strokes(picture) if picture.motion is not None else ()),
         *(stroke for strokes in measured for stroke in strokes),
     ]
-    low, high = artist.bounds(picture)
-    if scale is not None:  # room beside a tall machine: texts at forces are long
-        width, height = high - low
-        more = np.array([max(height / HIGHEST_WITH_FORCES - width, 0.0) / 2, 0.0])
-        low, high = low - more, high + more
-    drawn, axes = _still(picture.title, low, high)
+    highest = HIGHEST if scale is None else HIGHEST_WITH_FORCES  # their texts are long
+    drawn, axes = _still(picture.title, *artist.bounds(picture, highest))
     artist.add_to(axes, picture)
     drawn.draw_without_rendering()
     writer = Writer(axes, artist.global_lines(picture))
@@ -105,8 +92,8 @@ def figure(
         writer.add_dimension(line.points)
     if scale is not None:
         writer.add_scale(scale, picture.size)
-    if names:
-        writer.add_names(picture, series, forces)
+    for label in labels(picture, series, forces) if names else ():
+        writer.add(label)
     return drawn
 
 
@@ -122,43 +109,32 @@ def _still(title: str, low: FloatArray, high: FloatArray) -> tuple["Figure", "Ax
 
 def _prepare_axes(axes: "Axes", low: FloatArray, high: FloatArray, title: str) -> None:
     """Equal axes with title and units, their edges pale."""
-    spans = high - low
     for part in (axes.figure, axes):
-        part.set_facecolor(LIGHT.background)
+        part.set_facecolor(LIGHT["background"])
     axes.set_aspect("equal", adjustable="box")
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-    axes.set_xlabel("x, m", color=LIGHT.muted, fontsize=8.5)
-    axes.set_ylabel("y, m", color=LIGHT.muted, fontsize=8.5)
-    axes.set_title(title, color=LIGHT.ink, fontsize=10.5)
-    axes.tick_params(colors=LIGHT.muted, labelsize=8, length=3, width=0.6)
-    axes.locator_params("x", nbins=max(2, round(7 * spans[0] / spans.max())))
-    axes.locator_params("y", nbins=max(2, round(7 * spans[1] / spans.max())))
+    bins = [max(2, round(7 * span / (high - low).max())) for span in high - low]
+    axes.locator_params("x", nbins=bins[0])
+    axes.locator_params("y", nbins=bins[1])
+    for name, axis in zip("xy", (axes.xaxis, axes.yaxis), strict=True):
+        axis.set_label_text(f"{name}, m", color=LIGHT["muted"], fontsize=8.5)
+    axes.set_title(title, color=LIGHT["ink"], fontsize=10.5)
+    axes.tick_params(colors=LIGHT["muted"], labelsize=8, length=3, width=0.6)
     axes.spines[["top", "right"]].set_visible(False)
-    axes.spines[["left", "bottom"]].set_color(LIGHT.grid)
+    axes.spines[["left", "bottom"]].set_color(LIGHT["grid"])
 
 
 class PictureArtist:
     """The strokes of a picture as one collection, which follows poses.
 
-    Parameters
-    ----------
-    picture
-        The first that it draws; others have the same symbols.
-    gaps
-        Whether gaps of joints that are not closed are drawn.
-    strength
-        How strong the colours are, from 0, that of the background, to 1; pale pictures have no
-        ground.
-
-    Attributes
-    ----------
-    signs
-        Strokes in the global frame, or in those of bodies, that are drawn besides.
+    It draws one picture, then others with the same symbols, and `signs` besides. Without `gaps` it
+    leaves out those of joints that are not closed; of colours of less `strength` than 1 are pale
+    pictures, which have no ground.
     """
 
     def __init__(self, picture: Picture, gaps: bool = True, strength: float = 1.0) -> None:
         self.picture, self.gaps, self.strength = picture, gaps, strength
-        self.rigid, self.points = lines_in_bodies(picture), _own_points(picture)
+        self.rigid = lines_in_bodies(picture)
         if strength < 1.0:
             self.rigid = [stroke for stroke in self.rigid if not picture.is_ground(stroke.body)]
         self.signs: Iterable[Stroke] = ()
@@ -166,12 +142,7 @@ class PictureArtist:
 
     def strokes(self, picture: Picture) -> list[Stroke]:
         """All strokes at the poses of a picture, in the order in which they are drawn."""
-        shifts = {
-            key: point - was
-            for key, points in _own_points(picture).items()
-            for was, point in zip(self.points.get(key, points), points, strict=False)
-            if point != was
-        }
+        shifts = picture.shifts(self.picture)
         rigid = [
             one._replace(points=one.points + shifts.get((one.element, one.body), 0.0))
             for one in self.rigid
@@ -185,14 +156,14 @@ class PictureArtist:
         strokes = self.strokes(picture)
         return [_line(picture, stroke) for stroke in strokes if STYLES[stroke.style].line]
 
-    def bounds(self, picture: Picture) -> tuple[FloatArray, FloatArray]:
+    def bounds(self, picture: Picture, highest: float = HIGHEST) -> tuple[FloatArray, FloatArray]:
         """Least and greatest x and y of the picture, with a border, m."""
         lines = np.concatenate(self.global_lines(picture) or [origin(picture.poses)])
         points = pairs(lines[np.isfinite(lines)])
         border = BORDER * picture.size
         low, high = points.min(axis=0) - border, points.max(axis=0) + border
         width, height = high - low
-        more = np.maximum(np.array([height / HIGHEST - width, width / FLATTEST - height]), 0.0) / 2
+        more = np.maximum(np.array([height / highest - width, width / FLATTEST - height]), 0.0) / 2
         return low - more, high + more
 
     def add_to(self, axes: "Axes", picture: Picture, zorder: float = 2.0) -> Any:
@@ -200,12 +171,12 @@ class PictureArtist:
         from matplotlib.collections import PathCollection
 
         strokes = self.strokes(picture)
-        fills, lines = zip(*(colors_of(one.style, one.body) for one in strokes), strict=True)
         styles = [STYLES[stroke.style] for stroke in strokes]
+        both = [(style, stroke.body) for style, stroke in zip(styles, strokes, strict=True)]
         self.collection = PathCollection(
             _paths(picture, strokes),
-            facecolors=[self._shade(color) for color in fills],
-            edgecolors=[self._shade(color) for color in lines],
+            facecolors=[self._shade(color_of(style.fill, body)) for style, body in both],
+            edgecolors=[self._shade(color_of(style.line, body)) for style, body in both],
             linewidths=[style.width for style in styles],
             linestyles=[style.dashes for style in styles],
             capstyle="round",
@@ -222,21 +193,12 @@ class PictureArtist:
 
         if not color:
             return "none"
-        shades = np.array([to_rgb(color), to_rgb(LIGHT.background)])
+        shades = np.array([to_rgb(color), to_rgb(LIGHT["background"])])
         return tuple(np.array([self.strength, 1 - self.strength]) @ shades)
 
     def update(self, picture: Picture) -> None:
         """Move the strokes to the poses of a picture with the same shapes."""
         self.collection.set_paths(_paths(picture, self.strokes(picture)))
-
-
-def _own_points(picture: Picture) -> dict[tuple[str, int], list[complex]]:
-    """Element and body → its places there, which may move within the body."""
-    found: dict[tuple[str, int], list[complex]] = {}
-    for symbol in picture.symbols:
-        for place in own_places(symbol.shape).values():
-            found.setdefault((symbol.element, place.body), []).append(place.point)
-    return found
 
 
 def _paths(picture: Picture, strokes: Iterable[Stroke]) -> list[Any]:
@@ -264,17 +226,9 @@ def _view(frames: Sequence[Picture], artist: PictureArtist) -> tuple[FloatArray,
 
 
 class MovieFigure:
-    """A figure whose frames are drawn on one background.
+    """A figure of a width in pixels, whose frames are drawn on one background.
 
-    Parameters
-    ----------
-    frames, width
-        Pictures one after the other; pixels.
-
-    Attributes
-    ----------
-    size
-        Width and height in pixels, both even, as video codecs want them.
+    Width and height in pixels, `size`, are even, as video codecs want them.
     """
 
     def __init__(self, frames: Sequence[Picture], width: int) -> None:
@@ -294,9 +248,9 @@ class MovieFigure:
         _prepare_axes(self.axes, low, high, first.title)
         shown = replace(first, motion=np.array([frame.poses for frame in frames]))
         for stroke in trace_strokes(shown):
-            self.axes.plot(*pairs(stroke.points).T, color=LIGHT.trace, linewidth=0.9, zorder=1.5)
+            self.axes.plot(*pairs(stroke.points).T, color=LIGHT["trace"], linewidth=0.9, zorder=1.5)
         self.clock = self.axes.text(0.99, 1.015, "", transform=self.axes.transAxes, ha="right",
-                                    fontsize=9, color=LIGHT.muted, animated=True)  # fmt: skip
+                                    fontsize=9, color=LIGHT["muted"], animated=True)  # fmt: skip
         canvas.draw()
         figure.set_layout_engine("none")  # that of the first frame is kept
         self.background = canvas.copy_from_bbox(figure.bbox)
@@ -338,5 +292,6 @@ def phase_figure(frames: Sequence[Picture]) -> "Figure":
     result.draw_without_rendering()
     named = tuple(s for s in last.symbols if not isinstance(s.shape, Force | Torque))
     writer = Writer(axes, artists[-1].global_lines(last))
-    writer.add_names(replace(last, symbols=named), None, False)
+    for label in labels(replace(last, symbols=named)):
+        writer.add(label)
     return result

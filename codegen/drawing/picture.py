@@ -6,7 +6,7 @@ parameters needs neither the model nor SymPy.
 """
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from typing import Any, NamedTuple
 
@@ -14,10 +14,7 @@ import numpy as np
 
 from codegen.drawing import shapes
 from codegen.drawing.plane_geometry import FloatArray, Points, in_frame, placed
-from codegen.drawing.shapes import OneShape, Place, Shape, changed
-
-Outline = tuple[complex, ...]
-"""A closed polygon in the frame of its body, x' + iy' in m."""
+from codegen.drawing.shapes import Course, OneShape, Place, Shape, changed, places
 
 # Sizes of signs, in typical lengths, so that machines of all sizes look alike.
 BAR = 0.021  # layout: half width of a bar, in typical lengths
@@ -41,13 +38,8 @@ class BodyPicture:
 
     name: str
     fixed: bool = False
-    outlines: tuple[Outline, ...] = ()
+    outlines: tuple[Points, ...] = ()  # closed polygons in its frame, (k,), m
     is_derived: bool = True  # the outlines follow from the joints; the modeller gave none
-
-    @property
-    def polygons(self) -> list[Points]:
-        """The outlines as arrays."""
-        return [np.array(outline) for outline in self.outlines]
 
 
 @dataclass(frozen=True)
@@ -70,34 +62,20 @@ class Symbol:
 
 @dataclass(frozen=True)
 class Picture:
-    """A mechanism at one instant, or in motion.
+    """A mechanism at one instant, or in motion, at k instants.
 
-    Attributes
-    ----------
-    title
-        Model and scene.
-    bodies
-        The ground first, then the bodies in the order of the scene.
-    poses
-        x, y in m and φ in rad of each body, shape (bodies, 3); in motion (k, bodies, 3).
-    symbols
-        The shapes of all elements that act; in motion those of all that act at any time, whose
-        numbers, if they vary, have a value for each instant, (k,).
-    size
-        A typical length of the mechanism, m, by which signs of no size of their own are scaled.
-    motion
-        Poses of the whole run, (instants, bodies, 3): guides and surfaces are as long as it needs.
-    t
-        In motion the instants, s, (k,).
+    In motion it has the symbols of all that acts at any time, whose numbers, if they vary, have a
+    value for each instant, (k,).
     """
 
-    title: str
-    bodies: tuple[BodyPicture, ...]
-    poses: FloatArray
+    title: str  # model and scene
+    bodies: tuple[BodyPicture, ...]  # the ground first
+    poses: FloatArray  # x, y in m and φ in rad of each body, (bodies, 3); in motion (k, bodies, 3)
     symbols: tuple[Symbol, ...]
-    size: float = 1.0
+    size: float = 1.0  # m, a typical length by which signs of no size of their own are scaled
+    # poses of the whole run, (instants, bodies, 3): guides and surfaces are as long as it needs
     motion: FloatArray | None = None
-    t: FloatArray | None = None
+    t: FloatArray | None = None  # in motion the instants, s, (k,)
 
     def at(self, place: Place) -> Any:
         """A place in the global frame, x + iy in m."""
@@ -128,10 +106,22 @@ class Picture:
         """The symbols whose shapes are of one of these kinds, and the shapes."""
         return [(s, s.shape) for s in self.symbols if isinstance(s.shape, kinds)]
 
-    def partners(self, shape: Shape, kind: type[OneShape]) -> list[OneShape]:
-        """The shapes of a kind that the element of a shape has."""
+    def partners(self, shape: Shape, *kinds: type[Shape]) -> list[Any]:
+        """The shapes of these kinds that the element of a shape has."""
         elements = {symbol.element for symbol in self.symbols if symbol.shape is shape}
-        return [one for symbol, one in self.having(kind) if symbol.element in elements]
+        return [one for symbol, one in self.having(*kinds) if symbol.element in elements]
+
+    def shifts(self, first: "Picture") -> dict[tuple[str, int], Any]:
+        """Element and body → how far its place there lies from where an alike picture has it, m.
+
+        Places that stay where they are in their bodies are left out.
+        """
+        here, there = (
+            {(s.element, place.body): place.point for s in one.symbols for place in places(s.shape)}
+            for one in (self, first)
+        )
+        both = [key for key in here if key in there and np.any(here[key] != there[key])]
+        return {key: here[key] - there[key] for key in both}
 
     @property
     def first(self) -> "Picture":
@@ -211,7 +201,9 @@ class Layout:
         of_bodies = sum(len(b.pose) + 2 * sum(map(len, b.outlines)) for b in self.bodies)
         return of_bodies + sum(_SLOTS.get(w, 0) for row in self.shapes for w, _ in row.fields)
 
-    def picture(self, t: FloatArray, numbers: FloatArray, curves: Sequence[FloatArray]) -> Picture:
+    def picture(
+        self, t: FloatArray, numbers: FloatArray, curves: Callable[[float], FloatArray]
+    ) -> Picture:
         """The picture in motion, without outlines that follow from joints, of size 1.
 
         Parameters
@@ -221,8 +213,10 @@ class Layout:
         numbers
             What the kernel `picture` writes at each, (k, slots).
         curves
-            Of each curve the points, m, (samples, 2).
+            At a parameter of the curves, rad: x and y of the first, the second and so on, m.
         """
+        places = np.linspace(0.0, 2.0 * np.pi, SAMPLES if self.curves else 0)
+        points = np.array([curves(float(at)) for at in places]).reshape(len(places), self.curves, 2)
 
         def value(what: str, where: Any) -> Any:
             match what:
@@ -233,7 +227,7 @@ class Layout:
                 case "number":
                     return constant_or_all(numbers[:, where])
                 case "curve":
-                    return tuple(Place(where[0], float(x), float(y)) for x, y in curves[where[1]])
+                    return Course(where[0], points[:, where[1]] @ [1, 1j])
             return where
 
         symbols = tuple(
@@ -242,10 +236,8 @@ class Layout:
         )
         bodies, poses = [], np.empty((len(t), len(self.bodies), 3))
         for number, (name, fixed, (x, y, *turn), outlines) in enumerate(self.bodies):
-            polygons = tuple(
-                tuple(complex(*numbers[0, list(corner)]) for corner in line) for line in outlines
-            )
-            bodies.append(BodyPicture(name, fixed, polygons, not outlines))
+            polygons = [numbers[0, np.array(line)] @ [1, 1j] for line in outlines]
+            bodies.append(BodyPicture(name, fixed, tuple(polygons), not outlines))
             angle = numbers[:, turn[0]]
             if len(turn) > 1:
                 angle = np.unwrap(np.arctan2(numbers[:, turn[1]], angle))

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial import ConvexHull
 
 FloatArray = npt.NDArray[np.float64]
 Points = npt.NDArray[np.complexfloating[Any, Any]]
@@ -70,27 +71,8 @@ def samples(line: Points, spacing: float) -> Points:
 
 
 def convex_hull(points: Points) -> Points:
-    """Corners (k,) of the convex hull, counterclockwise, by Andrew's monotone chain.
-
-    Points on an edge are left out. One point is its own hull, and two are that of points on a line.
-    """
-    order = sorted(set(points.tolist()), key=lambda z: (z.real, z.imag))
-    if len(order) < 3:
-        return np.array(order)
-    hull: list[complex] = []
-    for sequence in (order, order[::-1]):
-        chain: list[complex] = []
-        for p in sequence:
-            while len(chain) > 1 and _turns_right(chain[-2], chain[-1], p):
-                chain.pop()
-            chain.append(p)
-        hull += chain[:-1]
-    return np.array(hull)
-
-
-def _turns_right(a: complex, b: complex, c: complex) -> bool:
-    """Whether a path turns right at b, or goes straight on."""
-    return ((b - a).conjugate() * (c - a)).imag <= 0
+    """Corners (k,) of the convex hull of points that lie on no line, counterclockwise."""
+    return np.asarray(points[ConvexHull(pairs(points)).vertices])
 
 
 def rounded_hull(points: Points, radius: float) -> Points:

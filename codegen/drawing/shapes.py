@@ -6,7 +6,7 @@ varies, its values over time, (k,). Lengths are in m, in the frame of the body o
 directions are those of unit vectors there.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar, NamedTuple, TypeVar
 
@@ -29,6 +29,13 @@ class Place(NamedTuple):
     def point(self) -> Any:
         """x' + iy' in m."""
         return self.x + 1j * self.y
+
+
+class Course(NamedTuple):
+    """A curve of a body of a picture: the body's number, and points along it, x' + iy', (k,), m."""
+
+    body: int
+    points: Any
 
 
 @dataclass(frozen=True)
@@ -160,15 +167,10 @@ class Belt(Pair):
 
 @dataclass(frozen=True)
 class Profile(Shape):
-    """A curve that is fixed in a body; in a picture, a tuple of places along it."""
+    """A curve that is fixed in a body; in a picture, a `Course`."""
 
     kind = "profile"
     curve: Any
-
-    @property
-    def points(self) -> Any:
-        """The points along the curve, (k,), m; in a picture."""
-        return np.array([place.point for place in self.curve])
 
 
 @dataclass(frozen=True)
@@ -296,17 +298,10 @@ class Trace(Shape):
     at: PointOrPlace
 
 
-def own_places(shape: Shape) -> dict[str, Place]:
-    """Name of a field → its place, of those that are one."""
-    values = {field.name: getattr(shape, field.name) for field in fields(shape)}
-    return {name: value for name, value in values.items() if isinstance(value, Place)}
-
-
-def places(shape: Shape) -> Iterator[Place]:
-    """The places of a shape, those of a profile included."""
-    yield from own_places(shape).values()
-    if isinstance(shape, Profile):
-        yield from shape.curve
+def places(shape: Shape) -> list[Place]:
+    """The places of a shape's fields, in their order."""
+    values = (getattr(shape, field.name) for field in fields(shape))
+    return [value for value in values if isinstance(value, Place)]
 
 
 def changed(change: Callable[..., Any], first: OneShape, *others: OneShape) -> OneShape:

@@ -7,161 +7,63 @@ line stands out from its ground with a contrast of at least 3 (WCAG 2.2, 1.4.11)
 """
 
 from collections.abc import Iterable
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
-from codegen.drawing.picture import BLOCK, Picture
+from codegen.drawing.picture import Picture
 from codegen.drawing.plane_geometry import Points, area
-from codegen.drawing.shapes import Slide, Spring
 
-Theme = Literal["light", "dark"]
-
-
-class Palette(NamedTuple):
-    """Colours as ``#rrggbb``, named by what they are for.
-
-    Attributes
-    ----------
-    background, panel
-        Behind the machine; behind tables and controls.
-    ink, muted, grid
-        Texts and outlines, secondary texts, lines of a grid.
-    ground, hatching
-        Fill and hatching of the ground.
-    joint
-        Pins, guides and slots; their inside is the background.
-    spring, damper, actuator
-        Elements between two bodies.
-    driver
-        Signs of drivers.
-    force, reaction, torque, gravity
-        Arrows: applied forces, reactions of joints, torques, gravity.
-    contact
-        Contacts that are closed, and impacts.
-    trace
-        Paths of points.
-    cursor
-        The instant that is shown, in curves and on the time line.
-    accent
-        What is chosen or has the focus.
-    good, bad
-        The outcome of a run: as asked for, or ended before its end.
-    lines
-        Outlines of bodies and curves, in their order.
-    fills
-        Insides of bodies, in the order of `lines`.
-    """
-
-    background: str
-    panel: str
-    ink: str
-    muted: str
-    grid: str
-    ground: str
-    hatching: str
-    joint: str
-    spring: str
-    damper: str
-    actuator: str
-    driver: str
-    force: str
-    reaction: str
-    torque: str
-    gravity: str
-    contact: str
-    trace: str
-    cursor: str
-    accent: str
-    good: str
-    bad: str
-    lines: tuple[str, ...]
-    fills: tuple[str, ...]
-
-    def line(self, number: int) -> str:
-        """The line of a body or curve; they repeat."""
-        return self.lines[number % len(self.lines)]
-
-    def fill(self, number: int) -> str:
-        """The inside of a body; they repeat."""
-        return self.fills[number % len(self.fills)]
-
-
-LIGHT = Palette(
-    background="#ffffff",
-    panel="#f5f7f9",
-    ink="#1b1f24",
-    muted="#57606a",
-    grid="#d8dee4",
-    ground="#e6e9ec",
-    hatching="#6e7781",
-    joint="#24292f",
-    spring="#00795a",
-    damper="#57606a",
-    actuator="#9a4f00",
-    driver="#9a4f00",
-    force="#c2410c",
-    reaction="#0063a0",
-    torque="#8a3f73",
-    gravity="#57606a",
-    contact="#c9184a",
-    trace="#8a3f73",
-    cursor="#c9184a",
-    accent="#0063a0",
-    good="#1a7f37",
-    bad="#c92a2a",
-    lines=("#0072b2", "#6c2300", "#006232", "#a96084", "#6e7c21", "#00a0c3", "#4a4a4a"),
-    fills=("#cfe6f5", "#f9dcc8", "#cdeade", "#f6dfec", "#eef0cf", "#d5f4fb", "#e2e2e2"),
-)
-DARK = Palette(
-    background="#14181d",
-    panel="#1d232a",
-    ink="#e6edf3",
-    muted="#9aa5b1",
-    grid="#333c46",
-    ground="#2a323b",
-    hatching="#8b96a1",
-    joint="#e6edf3",
-    spring="#3fc79a",
-    damper="#aab4be",
-    actuator="#f0a860",
-    driver="#f0a860",
-    force="#ff8a5c",
-    reaction="#6cb8f0",
-    torque="#e29cc4",
-    gravity="#9aa5b1",
-    contact="#ff6b8b",
-    trace="#e29cc4",
-    cursor="#ff6b8b",
-    accent="#6cb8f0",
-    good="#4ac26b",
-    bad="#ff7b72",
-    lines=("#56b4e9", "#f08a3c", "#1fc296", "#e29cc4", "#e3d04a", "#2f86c9", "#c8c8c8"),
-    fills=("#1c3b50", "#4d3018", "#14402f", "#4a2f40", "#453f16", "#173550", "#3a3a3a"),
-)
-PALETTES: dict[Theme, Palette] = {"light": LIGHT, "dark": DARK}
+# Name of what it is for → its colour before a light and before a dark ground.
+_COLORS = {
+    "background": ("#ffffff", "#14181d"),  # behind the machine
+    "panel": ("#f5f7f9", "#1d232a"),  # behind tables and controls
+    "ink": ("#1b1f24", "#e6edf3"),  # texts and outlines
+    "muted": ("#57606a", "#9aa5b1"),  # secondary texts
+    "grid": ("#d8dee4", "#333c46"),
+    "ground": ("#e6e9ec", "#2a323b"),
+    "hatching": ("#6e7781", "#8b96a1"),
+    "joint": ("#24292f", "#e6edf3"),  # pins, guides and slots; their inside is the background
+    "spring": ("#00795a", "#3fc79a"),
+    "damper": ("#57606a", "#aab4be"),
+    "actuator": ("#9a4f00", "#f0a860"),
+    "driver": ("#9a4f00", "#f0a860"),
+    "force": ("#c2410c", "#ff8a5c"),
+    "reaction": ("#0063a0", "#6cb8f0"),
+    "torque": ("#8a3f73", "#e29cc4"),
+    "gravity": ("#57606a", "#9aa5b1"),
+    "contact": ("#c9184a", "#ff6b8b"),  # contacts that are closed, and impacts
+    "trace": ("#8a3f73", "#e29cc4"),
+    "cursor": ("#c9184a", "#ff6b8b"),  # the instant that is shown
+    "accent": ("#0063a0", "#6cb8f0"),  # what is chosen or has the focus
+    "good": ("#1a7f37", "#4ac26b"),
+    "bad": ("#c92a2a", "#ff7b72"),
+}
+# Lines of bodies and curves, and insides of bodies, in their order; they repeat.
+_LINES = (
+    ("#0072b2", "#56b4e9"), ("#6c2300", "#f08a3c"), ("#006232", "#1fc296"), ("#a96084", "#e29cc4"),
+    ("#6e7c21", "#e3d04a"), ("#00a0c3", "#2f86c9"), ("#4a4a4a", "#c8c8c8"),
+)  # fmt: skip
+_FILLS = (
+    ("#cfe6f5", "#1c3b50"), ("#f9dcc8", "#4d3018"), ("#cdeade", "#14402f"), ("#f6dfec", "#4a2f40"),
+    ("#eef0cf", "#453f16"), ("#d5f4fb", "#173550"), ("#e2e2e2", "#3a3a3a"),
+)  # fmt: skip
+COUNT = len(_LINES)
+"""How many bodies have colours of their own."""
+_ALL = {
+    **_COLORS, **{f"line-{k}": pair for k, pair in enumerate(_LINES)},
+    **{f"fill-{k}": pair for k, pair in enumerate(_FILLS)},
+}  # fmt: skip
+LIGHT, DARK = ({name: pair[k] for name, pair in _ALL.items()} for k in (0, 1))
+"""Name of a colour → ``#rrggbb``; those of bodies are ``line-0``, ``fill-0`` and so on."""
 
 
 class Stroke(NamedTuple):
-    """A polyline, or a polygon.
+    """A polyline, or a polygon, in the frame of a body: 0, the ground, has the global one."""
 
-    Attributes
-    ----------
-    style
-        What it stands for: a name of `STYLES`.
-    body
-        The body in whose frame its points are: 0, the ground, has the global frame.
-    points
-        Its points (k,), m.
-    closed
-        Whether the last point is joined to the first.
-    element
-        The element that it belongs to.
-    """
-
-    style: str
+    style: str  # a name of `STYLES`
     body: int
-    points: Points
-    closed: bool = False
-    element: str = ""
+    points: Points  # (k,), m
+    closed: bool = False  # whether the last point is joined to the first
+    element: str = ""  # to which it belongs
 
 
 Dashes = tuple[float, tuple[float, ...] | None]
@@ -171,43 +73,31 @@ DASH_DOTTED: Dashes = (0.0, (7.0, 2.0, 1.5, 2.0))  # layout: the same, of pitch 
 
 
 class Style(NamedTuple):
-    """How the lines of a style are drawn.
+    """How the lines of a style are drawn."""
 
-    Attributes
-    ----------
-    layer
-        "ground", "bodies", "between" (bodies), "joints" or "signs", from back to front.
-    fill, line
-        Colours of the inside and the line: names of a palette, "body" for the colour of the body,
-        or empty for none.
-    width, dashes
-        Of the line in points, and its dashes.
-    depth
-        Place among the strokes of a body, the lowest at the back.
-    """
-
-    layer: str
-    fill: str
+    layer: str  # of `LAYERS`
+    fill: str  # names of colours, empty for none; "fill" and "line" are those of the body
     line: str
-    width: float
+    width: float  # of the line, in points
     dashes: Dashes = SOLID
-    depth: int = 1
+    depth: int = 1  # place among the strokes of a body, the lowest at the back
 
 
-LAYERS = ("ground", "behind", "bodies", "between", "joints", "signs")
+# From back to front; "between" are bodies.
+LAYERS = ("ground", "bodies", "between", "joints", "signs")
 STYLES = {
     "hatch": Style("ground", "", "hatching", 0.7),
     "rail": Style("ground", "", "joint", 1.3),
     "support": Style("ground", "ground", "joint", 1.1),
-    "edge": Style("bodies", "", "body", 2.2),
-    "inside": Style("bodies", "body", "", 0.0),
-    "slot": Style("bodies", "background", "body", 0.9, depth=2),
-    "gear": Style("bodies", "body", "body", 1.0, depth=0),
-    "ring": Style("bodies", "body", "", 0.0, depth=0),
-    "pitch": Style("bodies", "", "body", 0.5, DASH_DOTTED),
-    "spoke": Style("bodies", "", "body", 1.1),
-    "profile": Style("bodies", "", "body", 1.3),
-    "rack": Style("bodies", "", "body", 1.1),
+    "edge": Style("bodies", "", "line", 2.2),
+    "inside": Style("bodies", "fill", "", 0.0),
+    "slot": Style("bodies", "background", "line", 0.9, depth=2),
+    "gear": Style("bodies", "fill", "line", 1.0, depth=0),
+    "ring": Style("bodies", "fill", "", 0.0, depth=0),
+    "pitch": Style("bodies", "", "line", 0.5, DASH_DOTTED),
+    "spoke": Style("bodies", "", "line", 1.1),
+    "profile": Style("bodies", "", "line", 1.3),
+    "rack": Style("bodies", "", "line", 1.1),
     "pin": Style("joints", "background", "joint", 1.2),
     "hub": Style("joints", "background", "joint", 1.0),
     "fixing": Style("joints", "joint", "joint", 0.8),
@@ -233,54 +123,36 @@ for _name, _color, _width in (
     STYLES[f"{_name} head"] = Style("signs", _color, _color, 0.3 * _width)
 
 
-def colors_of(style: str, body: int) -> tuple[str, str]:
-    """Colours of the inside and line of a stroke of a body, which may pick them; empty for none."""
-    one = STYLES[style]
-    own = (LIGHT.fill(body - 1), LIGHT.line(body - 1)) if body else (LIGHT.ground, LIGHT.joint)
-    fill, line = (
-        color if name == "body" else getattr(LIGHT, name) if name else ""
-        for name, color in zip((one.fill, one.line), own, strict=True)
-    )
-    return fill, line
+def color_of(name: str, body: int) -> str:
+    """A colour of `STYLES` where a body has it; empty for none."""
+    if name in ("fill", "line"):
+        of_ground = "ground" if name == "fill" else "joint"
+        name = f"{name}-{(body - 1) % COUNT}" if body else of_ground
+    return LIGHT.get(name, "")
 
 
 def ordered(picture: Picture, strokes: Iterable[Stroke]) -> list[Stroke]:
     """All strokes and the bodies' outlines in the order in which they are drawn.
 
-    First the ground, then springs that end in blocks, then bodies, the largest at the back, then
-    what lies between bodies, pins, and signs. The lines of a body's polygons are drawn before their
-    insides, so that polygons that overlap look like one.
+    First the ground, then bodies, the largest at the back, then what lies between bodies, pins, and
+    signs. The lines of a body's polygons are drawn before their insides, so that polygons that
+    overlap look like one.
     """
     layers: dict[str, list[Stroke]] = {name: [] for name in LAYERS}
     own: list[list[Stroke]] = [[] for _ in picture.bodies]
-    behind = springs_of_blocks(picture)
     for stroke in strokes:
-        layer = "behind" if stroke.element in behind else STYLES[stroke.style].layer
+        layer = STYLES[stroke.style].layer
         (own[stroke.body] if layer == "bodies" else layers[layer]).append(stroke)
     sizes = [size_of(picture, number, lines) for number, lines in enumerate(own)]
     for number in sorted(range(len(own)), key=lambda n: -sizes[n]):
-        polygons = picture.bodies[number].polygons
         for style in ("edge", "inside"):
-            layers["bodies"] += [Stroke(style, number, points, True) for points in polygons]
+            outlines = picture.bodies[number].outlines
+            layers["bodies"] += [Stroke(style, number, points, True) for points in outlines]
         layers["bodies"] += sorted(own[number], key=lambda stroke: STYLES[stroke.style].depth)
     return [stroke for layer in layers.values() for stroke in layer]
-
-
-def springs_of_blocks(picture: Picture) -> set[str]:
-    """Springs that end within a block: behind it they look as if they were fixed to its side."""
-    blocks = {
-        shape.i.body if picture.is_ground(shape.j.body) else shape.j.body
-        for _, shape in picture.having(Slide)
-    }
-    return {
-        symbol.element
-        for symbol, spring in picture.having(Spring)
-        for place in (spring.i, spring.j)
-        if place.body in blocks and abs(place.point) < BLOCK[0] * picture.size
-    }
 
 
 def size_of(picture: Picture, number: int, own: Iterable[Stroke]) -> float:
     """The area of the largest polygon of a body, which has these strokes, m²."""
     polygons = [stroke.points for stroke in own if stroke.closed and STYLES[stroke.style].fill]
-    return max((abs(area(p)) for p in (*picture.bodies[number].polygons, *polygons)), default=0.0)
+    return max((abs(area(p)) for p in (*picture.bodies[number].outlines, *polygons)), default=0.0)

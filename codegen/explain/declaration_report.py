@@ -11,6 +11,7 @@ from typing import Any
 from codegen.check.declaration import check_model
 from codegen.check.kinematics import (
     Assembly,
+    Findings,
     Moved,
     assemble_at_start,
     joints_at_one_point,
@@ -19,7 +20,7 @@ from codegen.check.kinematics import (
 from codegen.check.scene import check_scene
 from codegen.derive.equations import Equations
 from codegen.driver import translate
-from codegen.errors import LinkwrightError, SceneError
+from codegen.errors import LinkwrightError
 from codegen.generated_files.generated_file import Clock, Progress
 from codegen.model import Model
 from codegen.reading.model_file import read_model
@@ -28,52 +29,33 @@ from codegen.reading.scene_selection import valid_scenes, with_settings, without
 
 @dataclass(frozen=True)
 class SceneFacts:
-    """What a sound scene amounts to.
-
-    Attributes
-    ----------
-    coordinates, constraints, degrees_of_freedom
-        Their numbers; redundant constraints take no freedom away.
-    notes
-        Sentences about redundant constraints.
-    gap, moved, problem
-        As of the `Assembly` at the start.
-    left_out, unused_parameters
-        Elements, and parameters, that have no share in the scene.
-    one_joint
-        Bodies that one joint alone holds, each with the joint.
-    """
+    """What a sound scene amounts to."""
 
     scene: str
     analysis: str
     bodies: tuple[str, ...]
     coordinates: int
     constraints: int
-    degrees_of_freedom: int
+    degrees_of_freedom: int  # redundant constraints take no freedom away
     drivers: tuple[str, ...]
-    notes: tuple[str, ...]
-    gap: float
+    notes: tuple[str, ...]  # sentences about redundant constraints
+    gap: float  # this and the next two as of the `Assembly` at the start
     moved: tuple[Moved, ...]
     problem: str
-    left_out: tuple[str, ...]
+    left_out: tuple[str, ...]  # elements that have no share in the scene
     unused_parameters: tuple[str, ...]
-    one_joint: dict[str, str]
+    one_joint: dict[str, str]  # body that one joint alone holds → the joint
 
 
 @dataclass(frozen=True)
 class DeclarationReport:
-    """Problems of a declaration, facts of its sound scenes, and what no scene uses.
-
-    Attributes
-    ----------
-    unused
-        "bodies", "effects", "drivers" and "parameters" → names that no scene uses; empty where one
-        scene alone was checked or where there is a problem.
-    """
+    """Problems of a declaration, facts of its sound scenes, and what no scene uses."""
 
     model: str
     problems: tuple[str, ...]
     scenes: tuple[SceneFacts, ...]
+    # "bodies", "effects", "drivers" and "parameters" → names that no scene uses; empty where one
+    # scene alone was checked or where there is a problem
     unused: dict[str, tuple[str, ...]]
 
     def facts(self) -> dict[str, Any]:
@@ -102,8 +84,7 @@ def check_declaration(
     progress("reading the model")
     declared = with_settings(read_model(model).model, settings or {})
     if scene is not None and scene not in declared.scenes:
-        valid_scenes(declared.altered(), scene)  # SceneError, or the problems of the model
-        raise SceneError(f"model '{declared.name}' has no scene '{scene}'.")
+        valid_scenes(declared, scene)  # SceneError, or the problems of the model
     problems = check_model(declared)
     if problems:
         names = [scene] if scene is not None else [*declared.scenes]
@@ -142,14 +123,12 @@ def _problems_of_scene(model: Model, name: str) -> list[str]:
     return found
 
 
-def _facts(model: Model, equations: Equations, findings: Any, assembly: Assembly) -> SceneFacts:
+def _facts(model: Model, equations: Equations, found: Findings, assembly: Assembly) -> SceneFacts:
     left_out = tuple(name for name, _ in equations.left_out)
-    positions = len(equations.coordinates) - len(equations.states)
     return SceneFacts(
-        equations.scene.name, equations.scene.analysis, equations.bodies, positions,
-        sum(len(c.statement.rows) for c in equations.constraints),
-        positions - findings.independent,
-        tuple(c.name for c in equations.constraints if c.driver), findings.notes,
+        equations.scene.name, equations.scene.analysis, equations.bodies, found.coordinates,
+        found.constraints, found.degrees_of_freedom,
+        tuple(c.name for c in equations.constraints if c.driver), found.notes,
         assembly.gap, assembly.moved, assembly.problem, left_out, equations.unused,
         {one: joint for one, joint in one_joint_bodies(model, left_out) if one in equations.bodies},
     )  # fmt: skip

@@ -107,11 +107,9 @@ def times(kernels: Sequence[Timed], states: States, rounds: int = ROUNDS) -> lis
         for kernel, p, slots in (Timed(nothing, np.zeros(1), 1), *kernels)
     ]
     count = _calls(runs)
-    best = [np.inf] * len(runs)
-    for _ in range(rounds):
-        for k, run in enumerate(runs):
-            best[k] = min(best[k], _seconds(run, count))
-    return [1e9 * (least - best[0]) / count for least in best[1:]]
+    best = np.min([[_seconds(run, count) for run in runs] for _ in range(rounds)], axis=0)
+    found: list[float] = (1e9 * (best[1:] - best[0]) / count).tolist()
+    return found
 
 
 def _calls(runs: Sequence[Callable[[int], float]]) -> int:

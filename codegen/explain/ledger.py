@@ -115,8 +115,8 @@ class Ledger:
 
 
 @dataclass(frozen=True)
-class Row:
-    """A part in both scenes."""
+class Difference:
+    """A part in two scenes."""
 
     name: str
     acts: tuple[bool | None, bool | None]  # whether it is in; None: unknown to the scene's ledger
@@ -125,37 +125,23 @@ class Row:
     nanoseconds: tuple[float | None, float | None]  # of an evaluation of `accelerations`
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """Two ledgers side by side; `total` has no `acts`."""
-
-    first: Ledger
-    second: Ledger
-    rows: tuple[Row, ...]
-    total: Row
-
-
-def compare(first: Ledger, second: Ledger) -> Comparison:
-    """The parts of two ledgers in the order of declaration, shared work last."""
+def compare(first: Ledger, second: Ledger) -> list[Difference]:
+    """The parts of two ledgers in the order of declaration, then shared work, then the total."""
     sides = [{part.name: part for part in ledger.parts} for ledger in (first, second)]
     names = dict.fromkeys(chain(*sides))
     shared = {name for side in sides for name, part in side.items() if part.role == "shared"}
     ordered = sorted(names, key=lambda name: name in shared)
-    rows = tuple(_row(name, *(side.get(name) for side in sides)) for name in ordered)
-    total = replace(_row("total", first.whole, second.whole), acts=(None, None))
-    return Comparison(first, second, rows, total)
+    rows = [_difference(name, *(side.get(name) for side in sides)) for name in ordered]
+    return [*rows, replace(_difference("total", first.whole, second.whole), acts=(None, None))]
 
 
-def _row(name: str, one: Part | None, other: Part | None) -> Row:
+def _difference(name: str, one: Part | None, other: Part | None) -> Difference:
     absent = Part(name, "", "", False, "")
     a, b = one or absent, other or absent
-    return Row(
-        name,
-        (one.acts if one else None, other.acts if other else None),
-        (a.solving, b.solving),
-        (a.total, b.total),
-        (a.nanoseconds, b.nanoseconds),
-    )
+    return Difference(
+        name, (one.acts if one else None, other.acts if other else None), (a.solving, b.solving),
+        (a.total, b.total), (a.nanoseconds, b.nanoseconds),
+    )  # fmt: skip
 
 
 class Inventory:

@@ -1,97 +1,107 @@
 """Ledgers on a terminal: a part a row, no wider than a person reads."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain
 
 from rich.console import Console
 from rich.table import Table
 
-from codegen.explain.ledger import Comparison, Ledger, Part, RunCosts
-from codegen.presentation import terminal_width
+from codegen import presentation
+from codegen.explain.ledger import Difference, Ledger, Part, RunCosts
 
 PAPER = 1000  # columns of a table that is as wide as its content, whatever the terminal
 
 
-def show(ledgers: tuple[Ledger, ...], comparison: Comparison | None, *, kernels: bool) -> None:
-    """Print the ledgers, or their comparison, on stdout; with `kernels` also the wide tables."""
-    screen = Console(width=terminal_width(), highlight=False)
-    if comparison is not None:
-        screen.print(comparison_table(comparison))
+def show(ledgers: Sequence[Ledger], differences: Sequence[Difference], *, kernels: bool) -> None:
+    """Print the ledgers, or the differences of two; with `kernels` also the wide tables."""
+    if differences:
+        presentation.show([comparison_table(ledgers[0], ledgers[1], differences)], ())
     for ledger in ledgers:
-        if comparison is None:
-            screen.print(part_table(ledger))
-        if ledger.run is not None:
-            screen.print(run_table(ledger, ledger.run))
+        tables = [] if differences else [part_table(ledger)]
+        tables += [] if ledger.run is None else [run_table(ledger, ledger.run)]
+        presentation.show(tables, ())
         if kernels:
             Console(width=PAPER, highlight=False).print(kernel_table(ledger))
-        scene = f"{ledger.scene}: " if comparison is not None else ""
-        for line in notes(ledger):
-            screen.print(f"  {scene}{line}", markup=False)
+        scene = f"{ledger.scene}: " if differences else ""
+        presentation.show((), (f"{scene}{line}" for line in notes(ledger)))
+
+
+Row = tuple[str | float | None, ...]
+
+
+def _table(
+    title: str, texts: Sequence[str], numbers: Sequence[str], *parts: Iterable[Row]
+) -> Table:
+    """A table of columns of texts, which fold, then of numbers, its rows in sections."""
+    table = Table(title=title)
+    for name in texts:
+        table.add_column(name, overflow="fold", min_width=3)
+    for name in numbers:
+        table.add_column(name, justify="right", no_wrap=True)
+    for rows in parts:
+        for row in rows:
+            table.add_row(*map(_cell, row))
+        table.add_section()
+    return table
+
+
+def _cell(value: str | float | None) -> str:
+    """A text, a whole number or one with a decimal; blank where there is nothing."""
+    if isinstance(value, float):
+        return f"{value:.1f}" if value else ""
+    return str(value or "")
 
 
 def part_table(ledger: Ledger) -> Table:
     """The parts that are in, with their costs, and those that are out, with the reason."""
-    table = Table(title=ledger.title)
-    table.add_column("part", no_wrap=True, max_width=24)
-    table.add_column("", no_wrap=True)
-    table.add_column("why", overflow="fold", ratio=1)
     timed = ledger.nanoseconds is not None
-    for title in ("acc.", "all", *(["ns"] if timed else []), "events"):
-        table.add_column(title, justify="right", no_wrap=True)
 
-    def numbers(part: Part) -> list[float | None]:
+    def row(part: Part) -> Row:
+        word = "in" if part.acts else "out"
+        why = part.kind if part.role == "shared" else f"{part.kind}; {part.why}"
+        first = ("total", "", "") if part.role == "" else (part.name, word, why)
         time = [part.nanoseconds] if timed else []
-        return [part.solving, part.total, *time, len(part.events)]
+        return (*first, part.solving, part.total, *time, len(part.events))
 
     inside = [part for part in ledger.parts if part.acts]
-    sections = (
-        [part for part in inside if part.role != "shared"],
-        [part for part in inside if part.role == "shared"],
-        [part for part in ledger.parts if not part.acts],
-    )
-    for section in sections:
-        for part in section:
-            texts = (_number(number or None) for number in numbers(part))
-            reason = part.kind if part.role == "shared" else f"{part.kind}; {part.why}"
-            table.add_row(part.name, "in" if part.acts else "out", reason, *texts)
-        table.add_section()
-    table.add_row("total", "", "", *map(_number, numbers(ledger.whole)))
-    return table
+    return _table(
+        ledger.title, ("part", "", "why"), ("acc.", "all", *["ns"] * timed, "events"),
+        (row(part) for part in inside if part.role != "shared"),
+        (row(part) for part in inside if part.role == "shared"),
+        (row(part) for part in ledger.parts if not part.acts), [row(ledger.whole)],
+    )  # fmt: skip
 
 
 def run_table(ledger: Ledger, run: RunCosts) -> Table:
     """The time that a run spent on each part that took any of it."""
-    table = Table("part", title=f"{ledger.title}: the run")
-    for title in ("events", "steps again", "µs", "% of the run"):
-        table.add_column(title, justify="right", no_wrap=True)
 
     def costs(seconds: float) -> tuple[str, str]:
         share = f"{100 * seconds / run.seconds:.2f}" if run.seconds else ""
         return f"{1e6 * seconds:.1f}", share
 
     spent = [part for part in ledger.parts if part.run_seconds or part.run_events]
-    for part in spent:
-        again = _number(round(part.run_retakes or 0.0) or None)
-        events = _number(part.run_events or None)
-        table.add_row(part.name, events, again, *costs(part.run_seconds or 0))
-    table.add_section()
     rest = run.seconds - sum(part.run_seconds or 0.0 for part in spent)
-    table.add_row("all other work of the run", "", "", *costs(rest))
-    table.add_row("total", str(run.events), str(run.retakes), *costs(run.seconds))
-    return table
+    return _table(
+        f"{ledger.title}: the run", ("part",), ("events", "steps again", "µs", "% of the run"),
+        (
+            (p.name, p.run_events, round(p.run_retakes or 0.0), *costs(p.run_seconds or 0))
+            for p in spent
+        ),
+        [
+            ("all other work of the run", "", "", *costs(rest)),
+            ("total", str(run.events), str(run.retakes), *costs(run.seconds)),
+        ],
+    )  # fmt: skip
 
 
 def kernel_table(ledger: Ledger) -> Table:
     """Operations of every part in every kernel."""
-    table = Table("part", "kind", title=f"{ledger.title}: operations")
-    for kernel in ledger.kernels:
-        table.add_column(kernel, justify="right")
-    for part in ledger.parts:
-        if part.acts and part.role != "fidelity":
-            counts = (str(part.operations.get(k, "")) for k in ledger.kernels)
-            table.add_row(part.name, part.kind, *counts)
-    table.add_section()
-    table.add_row("total", "", *(str(ledger.totals[k]) for k in ledger.kernels))
-    return table
+    inside = (part for part in ledger.parts if part.acts and part.role != "fidelity")
+    return _table(
+        f"{ledger.title}: operations", ("part", "kind"), ledger.kernels,
+        ((p.name, p.kind, *(p.operations.get(k) for k in ledger.kernels)) for p in inside),
+        [("total", "", *(ledger.totals[kernel] for kernel in ledger.kernels))],
+    )  # fmt: skip
 
 
 def notes(ledger: Ledger) -> Iterator[str]:
@@ -123,23 +133,22 @@ def notes(ledger: Ledger) -> Iterator[str]:
         )
 
 
-def comparison_table(comparison: Comparison) -> Table:
+def comparison_table(first: Ledger, second: Ledger, rows: Sequence[Difference]) -> Table:
     """Two scenes side by side, and what the second has more."""
-    first, second = comparison.first, comparison.second
-    table = Table(title=f"{first.model}: A = {first.scene}, B = {second.scene}")
-    table.add_column("part", overflow="fold")
     timed = first.nanoseconds is not None or second.nanoseconds is not None
-    for title in ("in", "acc.", "all", *(["ns"] if timed else [])):
-        for head in (f"{title} A", f"{title} B", *(["B-A"] if title != "in" else [])):
-            table.add_column(head, justify="right", no_wrap=True)
-    for row in (*comparison.rows, comparison.total):
-        acts = ["-" if side is None else "in" if side else "out" for side in row.acts]
-        if row is comparison.total:
-            table.add_section()
-            acts = ["", ""]
-        times = _pair(row.nanoseconds) if timed else []
-        table.add_row(row.name, *acts, *_pair(row.accelerations), *_pair(row.operations), *times)
-    return table
+    counts = ["acc.", "all", *["ns"] * timed]
+    words = {None: "-", True: "in", False: "out"}
+
+    def cells(row: Difference) -> Row:
+        acts = ["", ""] if row is rows[-1] else [words[side] for side in row.acts]
+        pairs = [row.accelerations, row.operations, *[row.nanoseconds] * timed]
+        return (row.name, *acts, *chain.from_iterable(map(_pair, pairs)))
+
+    return _table(
+        f"{first.model}: A = {first.scene}, B = {second.scene}",
+        ("part",), ("in A", "in B", *(f"{n} {side}" for n in counts for side in ("A", "B", "B-A"))),
+        map(cells, rows[:-1]), [cells(rows[-1])],
+    )  # fmt: skip
 
 
 def _pair(pair: tuple[float | None, float | None]) -> list[str]:
@@ -147,10 +156,5 @@ def _pair(pair: tuple[float | None, float | None]) -> list[str]:
     if not any(pair):
         return ["", "", ""]
     change = (pair[1] or 0) - (pair[0] or 0)
-    return [*(_number(side) for side in pair), _number(change, sign="+") if change else "="]
-
-
-def _number(value: float | None, sign: str = "") -> str:
-    if value is None:
-        return ""
-    return f"{value:{sign}d}" if isinstance(value, int) else f"{value:{sign}.1f}"
+    sign = "+" if change > 0 else ""
+    return [*map(_cell, pair), f"{sign}{_cell(change)}" if change else "="]

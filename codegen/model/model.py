@@ -19,6 +19,7 @@ from codegen.model.forces import Forces
 from codegen.model.scenes import Scenes
 from codegen.model.values import Values
 from codegen.object_display import html_of, html_table
+from codegen.readers import arguments as readers
 from codegen.readers.calls import declaring, named_attributes
 from codegen.readers.values import one_line, shown
 
@@ -82,6 +83,11 @@ class Model(Values, Scenes, Forces, Contacts):
         """What is declared, for the prompt of IPython."""
         printer.text(repr(self) if cycle else str(self))
 
+    @readers.reads(
+        scene=readers.optional(readers.scene),
+        parameters=readers.optional(readers.values('{"L": 1.2}')), assembled=readers.flag,
+        **dict.fromkeys(("dimensions", "forces", "frames", "names"), readers.flag),
+    )  # fmt: skip
     def draw(
         self, scene: "str | Scene | None" = None, *,
         parameters: "Mapping[str, float] | None" = None, assembled: bool = True,
@@ -116,12 +122,11 @@ class Model(Values, Scenes, Forces, Contacts):
         InputError
             If an argument is of the wrong kind, or Matplotlib is not installed.
         """
-        from codegen.picture_at_start import draw
+        from codegen import declared_picture  # which the package loads now: it imports models
+        from codegen.drawing.matplotlib_painter import figure
 
-        return draw(
-            self, scene, parameters=parameters, assembled=assembled, dimensions=dimensions,
-            forces=forces, frames=frames, names=names,
-        )  # fmt: skip
+        picture = declared_picture(self, scene, parameters, assembled)
+        return figure(picture, dimensions, forces, frames=frames, names=names)
 
     def add(self, element: Declared) -> Declared:
         """Declare a user-defined element: a `Constraint`, an `Effect` or a kind of `Body`.

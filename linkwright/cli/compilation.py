@@ -194,14 +194,14 @@ def explain(
             for name in compare or (scene,)
             for ledger in ledgers_of(model, name, measure=timed, t_end=run, progress=progress)
         )
-        comparison = compare_ledgers(*ledgers) if compare else None
+        differences = compare_ledgers(*ledgers) if compare else []
     if as_json:
         facts: dict[str, Any] = {"scenes": [asdict(ledger) for ledger in ledgers]}
-        if comparison is not None:
-            facts["differences"] = [asdict(row) for row in (*comparison.rows, comparison.total)]
+        if compare:
+            facts["differences"] = [asdict(row) for row in differences]
         print_json(facts)
     else:
-        show(ledgers, comparison, kernels=kernels)
+        show(ledgers, differences, kernels=kernels)
     if out is not None:
         write_line(f"saved {write(ledgers, out)}")
 

@@ -31,21 +31,14 @@ Pixels = npt.NDArray[np.uint8]
 
 
 def save_movie(
-    result: "Result",
-    file: Path,
-    *,
-    frames_per_second: int | None = None,
-    width: int | None = None,
-    speed: float | None = None,
-    span: tuple[float, ...] | None = None,
+    result: "Result", file: Path, *, frames_per_second: int | None = None,
+    width: int | None = None, speed: float | None = None, span: tuple[float, ...] | None = None,
     progress: bool = True,
-) -> Path:
+) -> Path:  # fmt: skip
     """Write the motion of a result, whole or not at all.
 
     Parameters
     ----------
-    result
-        Of a simulation, kinematics or inverse dynamics.
     file
         Ends in .mp4 (by ffmpeg), .gif, or .svg: a still of some positions over each other.
     frames_per_second
@@ -59,11 +52,6 @@ def save_movie(
         First and last instant, s; unless given, the whole result.
     progress
         Whether a terminal shows a bar.
-
-    Returns
-    -------
-    Path
-        Of the file.
 
     Raises
     ------
@@ -95,16 +83,16 @@ def save_movie(
     rate = gif_rate(rate) if ending == ".gif" else rate
     pace = speed or usual_speed(last - first)
     count = max(2, round((last - first) / pace * rate) + 1)
-    if count > MOST_FRAMES:
+    wide = width or WIDTH
+    most = min(MOST_FRAMES, _GIF_BYTES // wide**2) if ending == ".gif" else MOST_FRAMES
+    if count > most:
         raise InputError(
             f"{file.name}: {count} frames, from {first:.6g} s to {last:.6g} s at speed={pace:.6g} "
-            f"and {rate:.4g} frames a second; the most are {MOST_FRAMES}. Give a higher speed=, or "
-            "a shorter span=."
+            f"and {rate:.4g} frames a second; the most are {most}. Give a higher speed=, a shorter "
+            "span=, or for a .gif a smaller width=."
         )
     instants = np.linspace(first, last, count)
-    movie = MovieFigure(moving_picture(result, result.at(instants)).frames(), width or WIDTH)
-    if ending == ".gif":
-        _require_memory(file, count, movie.size)
+    movie = MovieFigure(moving_picture(result, result.at(instants)).frames(), wide)
     scale = "" if pace == 1.0 else f",  speed × {pace:.3g}"
     write = _write_gif if ending == ".gif" else _write_mp4
     with bar(f"drawing {file.name}", progress) as report, whole_file(file) as target:
@@ -116,16 +104,6 @@ def save_movie(
 
         write(target, movie.size, rate, drawn())
     return file
-
-
-def _require_memory(file: Path, count: int, size: tuple[int, int]) -> None:
-    """Refuse a .gif whose frames, of so many pixels each, would take too much memory."""
-    if count * size[0] * size[1] > _GIF_BYTES:
-        raise InputError(
-            f"{file.name}: {count} frames of {size[0]} by {size[1]} pixels are more than the "
-            f"{_GIF_BYTES >> 20} MiB that a .gif may take of the memory. Give a smaller width=, a "
-            "lower frames_per_second=, a higher speed=, or write an .mp4."
-        )
 
 
 def usual_speed(duration: float) -> float:

@@ -3,7 +3,6 @@
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +12,6 @@ import numpy.typing as npt
 from codegen.drawing.body_outlines import complete_picture
 from codegen.drawing.matplotlib_painter import figure
 from codegen.drawing.picture import (
-    SAMPLES,
     BodyLayout,
     Layout,
     Picture,
@@ -68,11 +66,13 @@ def picture_at_states(
     q, v = np.ascontiguousarray(q, dtype=float), np.ascontiguousarray(v, dtype=float)
     for k in range(len(t)):
         module.picture(float(t[k]), q[k], v[k], p, numbers[k])
-    points = np.zeros((SAMPLES, layout.curves, 2))
-    if layout.curves:
-        for k, alpha in enumerate(np.linspace(0.0, 2.0 * np.pi, SAMPLES)):
-            module.curves(alpha, p, points[k].reshape(-1))
-    return layout.picture(t, numbers, list(points.swapaxes(0, 1)))
+
+    def curves(alpha: float) -> FloatArray:
+        points = np.zeros(2 * layout.curves)
+        module.curves(alpha, p, points)
+        return points
+
+    return layout.picture(t, numbers, curves)
 
 
 def draw_result(result: "Result", t: float | None, **drawing: Any) -> "Figure":
@@ -119,40 +119,30 @@ def _joined(result: "Result", mechanism: Mechanism) -> Picture:
     parts = [_of_span(result, known, rows) for known, rows in spans]
     if len(parts) == 1:
         return parts[0]
-    symbols: dict[tuple[str, str, int], Symbol] = {}
-    ends = [*t, np.nextafter(t[-1], np.inf)]
+    acting: dict[tuple[str, str, int], list[tuple[slice, Symbol]]] = {}
     for (_, rows), part in zip(spans, parts, strict=True):
         seen = Counter[tuple[str, str]]()
-
-        def placed(known: Any, values: Any, rows: slice = rows) -> FloatArray:
-            """A number over the whole time, with its values in these rows."""
-            whole = np.full(len(t), np.ravel(values)[0]) if known is None else known.copy()
-            whole[rows] = values
-            return whole
-
         for symbol in part.symbols:
             pair = symbol.element, symbol.shape.kind
             seen[pair] += 1
-            key, acts = (*pair, seen[pair]), (float(ends[rows.start]), float(ends[rows.stop]))
-            if key in symbols:
-                known = symbols[key]
-                shape = changed(placed, known.shape, symbol.shape)
-                symbols[key] = replace(known, shape=shape, spans=(*known.spans, acts))
-            else:  # before it acts, its numbers are those of its first instant
-                shape = changed(partial(placed, None), symbol.shape)
-                symbols[key] = replace(symbol, shape=shape, spans=(acts,))
-    return replace(
-        parts[0],
-        poses=np.concatenate([part.poses for part in parts]),
-        t=t,
-        symbols=tuple(
-            replace(
-                one, shape=changed(constant_or_all, one.shape),
-                spans=one.spans if len(one.spans) < len(parts) else (),
-            )
-            for one in symbols.values()
-        ),
-    )  # fmt: skip
+            acting.setdefault((*pair, seen[pair]), []).append((rows, symbol))
+    ends = [*t, np.nextafter(t[-1], np.inf)]
+    symbols = []
+    for found in acting.values():
+
+        def over_time(*values: Any, found: Any = found) -> Any:
+            """A number from those of the spans; elsewhere it is that of the first instant."""
+            whole = np.full(len(t), np.ravel(values[0])[0])
+            for (rows, _), value in zip(found, values, strict=True):
+                whole[rows] = value
+            return constant_or_all(whole)
+
+        shape = changed(over_time, *(symbol.shape for _, symbol in found))
+        times = tuple((float(ends[rows.start]), float(ends[rows.stop])) for rows, _ in found)
+        always = len(times) == len(parts)
+        symbols.append(replace(found[0][1], shape=shape, spans=() if always else times))
+    poses = np.concatenate([part.poses for part in parts])
+    return replace(parts[0], poses=poses, t=t, symbols=tuple(symbols))
 
 
 def _spans(result: "Result", mechanism: Mechanism) -> list[tuple[Mechanism, slice]]:

@@ -247,16 +247,11 @@ def test_everybody_may_read_a_generated_file_whatever_the_umask(tmp_path: Path) 
     assert (tmp_path / "a.py").stat().st_mode & 0o777 == 0o644
 
 
-@pytest.mark.parametrize("unroll", ["x", "Never", ""])
+@pytest.mark.parametrize("unroll", ["x", "Never", "", 7])
 def test_a_wrong_choice_of_loops_is_named_before_anything_is_built(
-    model: Path, tmp_path: Path, unroll: str
+    model: Path, tmp_path: Path, unroll: object
 ) -> None:
     with pytest.raises(InputError, match="one of 'auto', 'always', 'never'") as raised:
         built(model, tmp_path / "generated", unroll=unroll)
     assert repr(unroll) in str(raised.value)
     assert not (tmp_path / "generated").exists()
-
-
-def test_a_choice_of_loops_that_is_no_text_is_refused(model: Path, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="unroll is 7; it must be one of 'auto'"):
-        built(model, tmp_path / "generated", unroll=7)

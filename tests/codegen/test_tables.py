@@ -33,19 +33,6 @@ Y = RANDOM.normal(size=12)
 CLOSED = np.append(Y[:-1], Y[0])
 
 
-@pytest.mark.parametrize("periodic", [False, True])
-@pytest.mark.parametrize("order", range(4))
-@pytest.mark.parametrize("count", [4, 5, 12])
-def test_spline_is_scipys(periodic: bool, order: int, count: int) -> None:
-    x = X[:count]
-    y = np.append(Y[: count - 1], Y[0]) if periodic else Y[:count]
-    theirs = CubicSpline(x, y, bc_type="periodic" if periodic else "not-a-knot")
-    ours = fit("some", x.tolist(), y.tolist(), periodic)
-    inside = np.linspace(x[0], x[-1], 101)[1:-1]
-    expected = theirs(inside, order)
-    assert_allclose([ours(at, order) for at in inside], expected, atol=1e-11 * abs(expected).max())
-
-
 def test_periodic_one_repeats_and_an_open_one_ends() -> None:
     closed, end = (
         fit("c", X.tolist(), CLOSED.tolist(), True),

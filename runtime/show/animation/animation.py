@@ -39,7 +39,6 @@ _VALUES = 600_000  # layout: numbers of a run in a page, some 2 MB
 RATE = 60  # layout: frames a second of the run's own time
 TURN = 0.15  # accuracy: rad between instants; a straight path between them errs by 0.3 % of an arm
 _MAX_FAST = 20_000  # layout: instants of a run whose bodies turn fast
-_COARSER = 1.1  # layout: by how much the turn grows until its instants are few enough
 _SAMPLING = Sampling(
     a_step=2,  # layout: instants in a step of the run
     least=600,  # layout: instants of a short run
@@ -255,7 +254,7 @@ def turns(result: "Result") -> FloatArray:
 
 
 def instants_between(t: FloatArray, turned: FloatArray, room: int) -> FloatArray:
-    """Instants to add between those of `t`, (k,), no more than `room`, s.
+    """Instants to add between those of `t`, (k,), no more than `room`, s: at equal turns.
 
     Parameters
     ----------
@@ -263,15 +262,11 @@ def instants_between(t: FloatArray, turned: FloatArray, room: int) -> FloatArray
         The turn from each instant to the next, rad. Each part of it is to be at most `TURN`, or as
         small as the room permits.
     """
-    largest = float(turned.max(initial=0.0))
-    turn = TURN
-    while turn < largest and np.sum(np.ceil(turned / turn) - 1, where=turned > turn) > room:
-        turn *= _COARSER
-    if turn >= largest:
+    whole = np.cumsum([0.0, *turned])
+    if turned.max(initial=0.0) <= TURN:
         return np.empty(0)
-    parts = np.maximum(np.ceil(turned / turn).astype(int), 1)
-    wanted = np.flatnonzero(parts > 1)
-    return np.concatenate([np.linspace(t[k], t[k + 1], parts[k] + 1)[1:-1] for k in wanted])
+    count = min(room, int(np.ceil(whole[-1] / TURN)))
+    return np.interp(np.linspace(0.0, whole[-1], count + 2)[1:-1], whole, t)
 
 
 def _columns(result: "Result") -> int:

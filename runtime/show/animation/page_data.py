@@ -15,7 +15,6 @@ import gzip
 import json
 from collections.abc import Iterable, Iterator, Set
 from dataclasses import fields
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,11 +22,11 @@ import numpy.typing as npt
 
 from codegen.drawing import shapes
 from codegen.drawing.annotations import Series, loads
-from codegen.drawing.contacts import moving_surfaces, sides_of, touch
+from codegen.drawing.contacts import moving_surfaces, nearest_side, touch
 from codegen.drawing.lines_between_bodies import belt_difference, links, windings
 from codegen.drawing.lines_in_bodies import lines_in_bodies
-from codegen.drawing.picture import PIN, SPRING, Picture
-from codegen.drawing.shapes import Place, own_places, places
+from codegen.drawing.picture import PIN, SPRING, Picture, Symbol
+from codegen.drawing.shapes import ContactSide, Course, Place, places
 from codegen.drawing.styles import STYLES, Stroke, size_of
 
 if TYPE_CHECKING:
@@ -53,63 +52,21 @@ def machine_data(
     picture: Picture, unit: float | None = None, series: Series | None = None,
     marks: Iterable[Row] = (),
 ) -> Row:  # fmt: skip
-    """Bodies, lines, arrows and events of a run.
-
-    Parameters
-    ----------
-    picture
-        In motion.
-    unit
-        The unit of length, m; unless given, that for the size of the picture.
-    series
-        What joints, drivers and forces exert, by the names of the series, (k,) each.
-    marks
-        As of `event_marks`.
-    """
+    """Bodies, lines, arrows and events of a run, in a unit of length, m; marks of `event_marks`."""
     machine = _Machine(picture, unit or unit_for(picture.size))
     size = picture.size / machine.unit
-    arrows = list(machine.arrows(series or {}))
-    elements = {one.element: one.kind for one in picture.symbols}
-    data: Row = {
+    both = zip(picture.symbols, machine.first.symbols, strict=True)
+    return {
         "size": size,
         "unit": machine.unit,
         "pin": PIN * size,
         "acts": machine.spans(),
-        "joints": len(picture.having(shapes.Reaction)),
         "bodies": [machine.body(number) for number in range(len(picture.bodies))],
         "strokes": [*machine.rigid_lines(), *machine.surfaces()],
-        "links": [], "drives": [], "traces": [], "arrows": arrows,
-        "gravity": None,
+        "symbols": [machine.symbol(one, still) for one, still in both if _is_finite(still.shape)],
+        "arrows": list(machine.arrows(series or {})),
         "events": [machine.with_place(mark) for mark in marks],
-    }  # fmt: skip
-    drawn, names = {arrow["element"] for arrow in arrows}, dict[str, Row]()
-    for symbol, still in zip(picture.symbols, machine.first.symbols, strict=True):
-        if not _is_finite(still.shape):
-            continue
-        drawn.add(symbol.element)
-        held = [machine.place(place) for place in own_places(symbol.shape).values()]
-        if held and (symbol.role == "joint" or isinstance(still.shape, shapes.Trace)):
-            names.setdefault(symbol.element, held[-1])  # beside which the name stands
-        match symbol.shape:
-            case shapes.Gravity(gx, gy):
-                data["gravity"] = np.ravel(gx + 1j * gy)[0]
-            case shapes.Trace(at):
-                path = machine.path(picture.at(at))
-                data["traces"].append({"element": symbol.element, "at": held[0], "path": path})
-            case shapes.Drive(i) as drive:
-                angle = np.ravel(np.angle(drive.along))[0]
-                data["drives"].append({
-                    "element": symbol.element, "at": held[-1], "turns": drive.turns,
-                    "angle": angle, "body": i.body if i else 0,
-                })  # fmt: skip
-            case _:
-                lines = machine.links(still.shape)
-                if lines:
-                    ends = dict(zip("ij", held, strict=True))
-                    data["links"].append({"element": symbol.element, **ends, **lines})
-    data["elements"] = {name: kind for name, kind in elements.items() if name in drawn}
-    data["names"] = [{"element": name, "at": at} for name, at in names.items()]
-    return data
+    }
 
 
 class _Machine:
@@ -119,6 +76,16 @@ class _Machine:
         self.picture, self.first, self.unit = picture, picture.first, unit
         lines = lines_in_bodies(self.first)
         self.strokes = [stroke for stroke in lines if np.isfinite(stroke.points).all()]
+        sides: dict[str, list[ContactSide]] = {}
+        for symbol, side in picture.having(ContactSide):
+            sides.setdefault(symbol.element, []).append(side)
+        # Contact → where its nearest side touches over time, (k,), m.
+        self.touches = {
+            element: self.over_time(
+                np.choose(nearest_side(own), [touch(picture, side).point for side in own])
+            )
+            for element, own in sides.items()
+        }
 
     def over_time(self, values: Any) -> Any:
         """A number at all instants, (k,)."""
@@ -136,31 +103,22 @@ class _Machine:
         return {"body": place.body, "x": place.x / self.unit, "y": place.y / self.unit}
 
     def body(self, number: int) -> Row:
-        """A body; its angle is within half a turn of 0, with the number of turns, if any, behind.
-
-        An angle of many turns has too few digits as float32.
-        """
+        """A body; an angle of many turns has too few digits as one float32."""
         body, (x, y, angle) = self.picture.bodies[number], self.picture.poses[:, number].T
         own = [stroke for stroke in self.strokes if stroke.body == number]
-        turns = np.where(np.isfinite(angle), np.round(angle / (2 * np.pi)), 0.0)
-        turn = [angle - 2 * np.pi * turns, turns][: 2 if turns.any() else 1]
+        turn = in_two(angle) if np.nanmax(abs(angle), initial=0.0) > np.pi else [angle]
         return {
             "name": body.name, "fixed": body.fixed, "area": size_of(self.picture, number, own),
-            "outlines": [line / self.unit for line in body.polygons],
+            "outlines": [line / self.unit for line in body.outlines],
             "pose": [x / self.unit, y / self.unit, *turn],
         }  # fmt: skip
 
     def rigid_lines(self) -> Iterator[Row]:
         """The lines that are fixed in bodies, with how far they move in there."""
-        shifts: dict[tuple[str, int], Any] = {}
-        for symbol in self.picture.symbols:
-            for place in own_places(symbol.shape).values():
-                if np.ndim(place.point):
-                    shift = place.point - place.point[0]
-                    shifts.setdefault((symbol.element, place.body), shift)
+        shifts = self.picture.shifts(self.first).items()
+        moves = {key: {"shift": self.path(shift)} for key, shift in shifts}
         for stroke in self.strokes:
-            shift = shifts.get((stroke.element, stroke.body))
-            yield self._line(stroke) | ({} if shift is None else {"shift": self.path(shift)})
+            yield self._line(stroke) | moves.get((stroke.element, stroke.body), {})
 
     def _line(self, stroke: Stroke) -> Row:
         style = STYLES[stroke.style]
@@ -172,9 +130,25 @@ class _Machine:
         for one in moving_surfaces(self.picture):
             angle, known = np.angle(one.along), np.isfinite(one.along)
             angle[known] = np.unwrap(angle[known])
+            shift = [*self.path(one.middle), angle]
             for style, points in one._replace(middle=0j, normal=1j).lines(self.picture.size):
-                line = self._line(Stroke(style, 0, points, False, one.element))
-                yield line | {"shift": [*self.path(one.middle), angle]}
+                yield self._line(Stroke(style, 0, points, False, one.element)) | {"shift": shift}
+
+    def symbol(self, symbol: Symbol, still: Symbol) -> Row:
+        """A symbol, where it is, and what the page draws of it that no stroke and no arrow is."""
+        held = [self.place(place) for place in places(symbol.shape)]
+        row: Row = {"element": symbol.element, "kind": symbol.kind, "role": symbol.role,
+                    "shape": symbol.shape.kind, "at": held[-1] if held else None}  # fmt: skip
+        match symbol.shape:
+            case shapes.Gravity(gx, gy):
+                return row | {"gravity": np.ravel(gx + 1j * gy)[0]}
+            case shapes.Trace(at):
+                return row | {"path": self.path(self.picture.at(at))}
+            case shapes.Drive(i) as drive:
+                angle = np.ravel(np.angle(drive.along))[0]
+                return row | {"turns": drive.turns, "angle": angle, "body": i.body if i else 0}
+        lines = self.links(still.shape)
+        return row | (lines and dict(zip("ij", held, strict=True)) | lines)
 
     def links(self, shape: shapes.Shape) -> Row:
         """The lines between two places of springs, rods and belts, which the page places."""
@@ -227,45 +201,26 @@ class _Machine:
         return mark if at is None else {**mark, "at": at}
 
     def _place_of_hit(self, element: str, t: float) -> Row | None:
-        for symbol in self.picture.symbols:
-            if symbol.element != element:
-                continue
-            held = list(own_places(symbol.shape).values())
-            if held:
-                return self.place(held[-1])
-            if isinstance(symbol.shape, shapes.Contact):
-                hit = self._touch(element, t)
-                bodies = [b for b in symbol.shape.bodies if not self.picture.is_ground(b)]
-                if hit is not None:
-                    return self.place(Place(0, hit.real, hit.imag))
-                return self.place(Place(bodies[0], 0.0, 0.0)) if bodies else None
-        return None
-
-    @cached_property
-    def _touches(self) -> list[tuple[str, Any, Any]]:
-        """Element, place and gap of all sides of contacts over time."""
-        return [
-            (symbol.element, touch(self.picture, side).point, self.over_time(side.gap))
-            for symbol, side in sides_of(self.picture)
-        ]
-
-    def _touch(self, element: str, t: float) -> complex | None:
-        """Where the nearest side of a contact touches at an instant; None where none does."""
-        assert self.picture.t is not None
-        k = max(int(np.searchsorted(self.picture.t, t, "right")) - 1, 0)
-        here = [
-            (gaps[k], points[k])
-            for name, points, gaps in self._touches
-            if name == element and np.isfinite(points[k])
-        ]
-        return complex(min(here, key=lambda one: float(one[0]))[1]) if here else None
+        """Where an element is; a contact where its nearest side touches at an instant, if known."""
+        own = [symbol.shape for symbol in self.picture.symbols if symbol.element == element]
+        held = [found[-1] for found in map(places, own) if found]
+        bodies = [b for one in own if isinstance(one, shapes.Contact) for b in one.bodies]
+        if not held:
+            assert self.picture.t is not None
+            k = max(int(np.searchsorted(self.picture.t, t, "right")) - 1, 0)
+            hit = self.touches[element][k] if element in self.touches else np.nan
+            held = [Place(0, hit.real, hit.imag)] if np.isfinite(hit) else []
+        held += [Place(body, 0.0, 0.0) for body in bodies if not self.picture.is_ground(body)]
+        return self.place(held[0]) if held else None
 
 
 def _is_finite(shape: shapes.Shape) -> bool:
     """Whether all places and numbers of a shape are finite: the page leaves others out."""
     values = [getattr(shape, field.name) for field in fields(shape)]
     numbers = [value for value in values if isinstance(value, float)]
-    return bool(np.isfinite([*numbers, *(place.point for place in places(shape))]).all())
+    numbers += [number for value in values if isinstance(value, Place) for number in value]
+    curves = [value.points for value in values if isinstance(value, Course)]
+    return bool(np.isfinite(np.concatenate([numbers, *curves])).all())
 
 
 def event_marks(result: "Result") -> list[Row]:
@@ -313,16 +268,18 @@ def in_two(values: FloatArray) -> list[FloatArray]:
 def block(header: dict[str, Any]) -> str:
     """The block as base64. Complex numbers of the header are pairs x, y there, also in arrays."""
     parts: list[npt.NDArray[np.float32]] = []
+    numbers: dict[int, int] = {}  # of an array that stands in several places
 
     def plain(value: Any) -> Any:
         if isinstance(value, complex):
             return [value.real, value.imag]
         if isinstance(value, np.generic):
             return value.item()
-        if np.iscomplexobj(value):
-            value = np.stack([value.real, value.imag], axis=-1)
-        parts.append(np.asarray(value, dtype=np.float64).ravel().astype("<f4"))
-        return {"array": len(parts) - 1}
+        if id(value) not in numbers:
+            numbers[id(value)] = len(parts)
+            both = [value.real, value.imag] if np.iscomplexobj(value) else [value]
+            parts.append(np.stack(both, axis=-1).ravel().astype("<f4"))
+        return {"array": numbers[id(value)]}
 
     options: dict[str, Any] = {"ensure_ascii": False, "separators": (",", ":"), "allow_nan": False}
     text = json.dumps(header, default=plain, **options)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from codegen.drawing.styles import PALETTES, STYLES, Palette
+from codegen.drawing.styles import COUNT, DARK, LIGHT, STYLES
 from codegen.errors import InputError
 from runtime.mechanism.series_table import Series
 from runtime.show.animation.page_data import compressed, rounded
@@ -48,47 +48,37 @@ def script() -> str:
 @cache
 def style() -> str:
     """The style sheet, colours of both themes first."""
-    light, dark = (_colors(PALETTES[theme]) for theme in ("light", "dark"))
-    count = len(PALETTES["light"].lines)
+    light, dark = (
+        " ".join(f"--{name}: {color};" for name, color in colors.items())
+        for colors in (LIGHT, DARK)
+    )
     numbered = " ".join(
         f".body-{k} {{ --fill: var(--fill-{k}); --line: var(--line-{k}); }} "
         f".line-{k} {{ --chip: var(--line-{k}); }} .run-{k} {{ color: var(--line-{k}); }}"
-        for k in range(count)
+        for k in range(COUNT)
     )
-    lines = "\n".join(_line_rule(name) for name, one in STYLES.items() if one.layer != "signs")
+    lines = "\n".join(
+        f".world .{name} {{ fill: {_color(one.fill)}; stroke: {_color(one.line)}; "
+        f"stroke-width: {_PIXELS * one.width:.1f}px; }}"
+        for name, one in STYLES.items()
+        if one.layer != "signs" or name == "driver"
+    )
     sheet = (_FOLDER / "page.css").read_text(encoding="utf-8")
     return (
         f":root, :root[data-theme=light] {{ color-scheme: light; {light} }}\n"
         f"@media (prefers-color-scheme: dark) {{ :root {{ color-scheme: dark; {dark} }} }}\n"
-        f":root[data-theme=light] {{ color-scheme: light; {light} }}\n"
-        f":root[data-theme=dark] {{ color-scheme: dark; {dark} }}\n{numbered}\n{sheet}\n"
-        f"{lines}\n{_line_rule('driver')}\n"
+        f":root[data-theme=dark] {{ color-scheme: dark; {dark} }}\n{numbered}\n{sheet}\n{lines}\n"
     )
 
 
-def _line_rule(name: str) -> str:
-    """The rule of the style sheet for lines of a style."""
-    style = STYLES[name]
-    fill, line = (
-        f"var(--{own if color == 'body' else color})" if color else "none"
-        for color, own in ((style.fill, "fill"), (style.line, "line"))
-    )
-    width = f"{_PIXELS * style.width:.1f}px"
-    return f".world .{name} {{ fill: {fill}; stroke: {line}; stroke-width: {width}; }}"
-
-
-def _colors(palette: Palette) -> str:
-    words = palette._asdict()
-    lines, fills = words.pop("lines"), words.pop("fills")
-    words |= {f"line-{k}": color for k, color in enumerate(lines)}
-    words |= {f"fill-{k}": color for k, color in enumerate(fills)}
-    return " ".join(f"--{name}: {color};" for name, color in words.items())
+def _color(name: str) -> str:
+    return f"var(--{name})" if name else "none"
 
 
 def page_text(
     title: str, data: str, below: str = "", *, has_curves: bool = True, runs: int = 1
 ) -> str:
-    """The page as text.
+    """The page as text, of `runs` runs beside each other.
 
     Parameters
     ----------
@@ -100,15 +90,12 @@ def page_text(
         HTML that stands below the player.
     has_curves
         Whether there is a motion, of which there are curves.
-    runs
-        How many runs lie beside each other.
     """
     template = (_FOLDER / "page.html").read_text(encoding="utf-8")
-    curves = "\n".join(map(_curve_section, range(PANELS))) if has_curves else ""
     parts = {
         "title": escape(title),
         "style": style(),
-        "curves": curves,
+        "curves": "\n".join(map(_curve_section, range(PANELS))) if has_curves else "",
         "below": below,
         "data": data,
         "panels": panels(runs).replace("</", "<\\/") if has_curves else "null",

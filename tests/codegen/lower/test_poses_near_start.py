@@ -8,7 +8,7 @@ from codegen.derive.equations import derive
 from codegen.drawing.lines_between_bodies import lines_between_bodies
 from codegen.lower.lowered_scene import lower
 from codegen.lower.poses_near_start import Poses
-from codegen.picture_at_start import picture_at_start
+from codegen.picture_at_start import declared_picture
 from codegen.reading.scene_selection import valid_scenes
 
 
@@ -61,7 +61,7 @@ def test_a_chain_closes_from_wrong_guesses(seed: int) -> None:
 
 
 def test_no_joint_of_a_long_chain_is_drawn_open() -> None:
-    picture = picture_at_start(chain(30))
+    picture = declared_picture(chain(30))
     assert "do not close" not in picture.title
     assert not [stroke for stroke in lines_between_bodies(picture) if stroke.style == "gap"]
 

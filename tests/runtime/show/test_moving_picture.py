@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from codegen import Model, t
 from codegen.drawing.picture import VERSION, Picture
 from codegen.drawing.shapes import Pin, Reaction, Rod, places
-from codegen.picture_at_start import picture_at_start
+from codegen.picture_at_start import declared_picture
 from codegen.reading.model_file import read_model
 from runtime import load
 from runtime.mechanism.dense_equations import Equations
@@ -85,7 +85,7 @@ def _same(one: Picture, other: Picture) -> None:
 
 
 def test_the_picture_before_the_build_is_that_of_the_built_machine() -> None:
-    before = picture_at_start(read_model("slider_crank").model, "kinematics", {"rod_length": 3.2})
+    before = declared_picture(read_model("slider_crank").model, "kinematics", {"rod_length": 3.2})
     machine = load("slider_crank", "kinematics")
     after = moving_picture(
         machine.kinematics([0.0], parameters={"rod_length": 3.2}, progress=False)
@@ -140,7 +140,8 @@ def test_joints_that_are_released_act_until_then() -> None:
 def test_a_part_of_a_run_has_the_outlines_and_the_motion_of_the_whole() -> None:
     result = load("trebuchet", "throw").simulate(3.0, 151, progress=False)
     whole, late = moving_picture(result), moving_picture(result, result.at([2.5, 2.6]))
-    assert late.bodies == whole.bodies
+    for one, other in zip(late.bodies, whole.bodies, strict=True):
+        assert all(map(np.array_equal, one.outlines, other.outlines))
     assert late.size == whole.size
     assert {s.element for s in whole.symbols} - {s.element for s in late.symbols} == {"sling"}
     assert late.poses.shape == (2, *whole.poses.shape[1:])

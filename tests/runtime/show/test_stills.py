@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from codegen import Model
 from codegen.drawing.matplotlib_painter import figure
 from codegen.errors import InputError
-from codegen.picture_at_start import picture_at_start
+from codegen.picture_at_start import declared_picture
 from codegen.reading.model_file import read_model
 from runtime import load
 from runtime.machine_facade import Machine
@@ -95,7 +95,7 @@ def test_a_body_that_exerts_a_force_has_the_opposite_arrow() -> None:
     model.torque("motor", on=second, value=2.0, from_=first)
     places = {"first.x": 1.0, "first.y": 2.0, "first.phi": 0.5, "second.x": 3.0, "second.y": 1.0}
     model.scene("free", ["push", "motor"], guess={**places, "second.phi": -0.3})
-    picture = picture_at_start(model)
+    picture = declared_picture(model)
     force, opposite = (s.shape for s in picture.symbols if s.element == "push")
     assert (opposite.fx, opposite.fy) == (-3.0, -4.0)
     assert picture.at(opposite.at) == pytest.approx(picture.at(force.at))

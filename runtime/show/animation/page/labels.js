@@ -65,7 +65,7 @@ function inside({ x, y }, box) {
 
 /** The names of joints and tracked points of a scene: {node, update(camera, labels, anew)}. */
 export function drawNames(scene) {
-  const named = scene.run.names.map((one) => ({ ...one, text: svg("text", {}, one.element) }));
+  const named = scene.names.map((one) => ({ ...one, text: svg("text", {}, one.element) }));
   const node = svg("g", { class: "names" }, ...named.map(({ text }) => text));
   const update = (camera, labels, anew) => {
     const beside = BESIDE * scene.u * camera.scale + 5;

@@ -43,7 +43,7 @@ function outlined({ name, outlines }) {
 
 /** Marks a node as an element's, with its name and kind as a title. */
 function belonging(node, scene, element) {
-  const kind = scene.run.elements[element];
+  const kind = scene.kinds[element];
   node.dataset.element = element;
   node.append(svg("title", {}, kind ? `${element}, ${kind}` : element));
   return node;
@@ -62,7 +62,7 @@ function drawStroke(scene, { style, layer, element, closed, corners: points }) {
 
 /** The nodes of springs, rods and belts, each {node, update}. */
 export function drawLinks(scene) {
-  return scene.run.links.map((link) => {
+  return scene.links.map((link) => {
     const paths = link.lines.map(({ style }) => svg("path", { class: style }));
     const node = belonging(svg("g", { class: "symbol" }, ...paths), scene, link.element);
     const put = (at) => paths.forEach((path, k) => path.setAttribute("d", through(link.lines[k].points.map(at))));
@@ -103,7 +103,7 @@ function anglesOf({ turns, belt }, scene, dx, dy) {
 /** The signs of drivers, each {node, update}. */
 export function drawDrives(scene) {
   const { u } = scene;
-  return scene.run.drives.map(({ element, at, turns, angle, body }) => {
+  return scene.drives.map(({ element, at, turns, angle, body }) => {
     const d = turns ? roundArrow(3.4 * u, 1) : `M0 0H${7 * u}M${5.6 * u} ${1.1 * u}L${7 * u} 0L${5.6 * u} ${-1.1 * u}`;
     const sign = svg("path", { class: "driver", d });
     const node = belonging(svg("g", { class: "symbol" }, sign), scene, element);

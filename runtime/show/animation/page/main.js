@@ -22,7 +22,7 @@ class Player {
     this.scenes = data.runs.map((run) => new Scene(run));
     const start = Math.min(...this.scenes.map((scene) => scene.start));
     this.clock = new Clock(start, Math.max(...this.scenes.map((scene) => scene.end)));
-    const few = Math.max(...data.runs.map(({ joints }) => joints)) <= MAX_REACTIONS;
+    const few = Math.max(...this.scenes.map(({ joints }) => joints)) <= MAX_REACTIONS;
     this.shown = { force: true, torque: true, reaction: few, names: few, frames: false, traces: true };
     this.cameras = camerasOf(this.scenes);
     [this.camera] = this.cameras;
@@ -92,8 +92,8 @@ class Player {
 
   /** A list of what can be chosen by the keyboard: joints, forces and bodies. */
   offerElements() {
-    const names = this.scenes.flatMap(({ run, bodies }) => [
-      ...Object.keys(run.elements),
+    const names = this.scenes.flatMap(({ kinds, bodies }) => [
+      ...Object.keys(kinds),
       ...bodies.filter(({ fixed }) => !fixed).map(({ name }) => name),
     ]);
     this.list = this.root.querySelector("#element");

@@ -1,13 +1,8 @@
 // Where everything is at an instant: interpolation between samples, places of bodies.
 
-/** Instants of a run in s: the sum of two arrays of float32, which has them to 48 bits. */
-export function instants(high, low) {
-  return Float64Array.from(high, (value, k) => value + low[k]);
-}
-
-/** Angles in rad: an array of them within half a turn of 0, and one of whole turns, where any are. */
-export function angles(wrapped, turns) {
-  return turns ? Float64Array.from(wrapped, (value, k) => value + 2 * Math.PI * turns[k]) : wrapped;
+/** Numbers of one array of float32, or of two, whose sum has them to 48 bits. */
+export function summed(high, low) {
+  return low ? Float64Array.from(high, (value, k) => value + low[k]) : high;
 }
 
 /** Samples around an instant: {low, high, share}; of several at that instant the last one. */

@@ -1,6 +1,6 @@
 // A run as a scene: where its bodies are at one instant, and what acts then.
 
-import { angles, inWorld, instants, locate, mixed, pairs, poseOf } from "./poses.js";
+import { inWorld, locate, mixed, pairs, poseOf, summed } from "./poses.js";
 
 const SURVEYED = 240; // instants at which extents are taken
 const LARGEST_TURN = 0.3; // rad between samples, above which the nearer one is shown
@@ -18,15 +18,24 @@ export class Scene {
     this.run = run;
     this.size = run.size;
     this.u = run.pin;
-    this.times = instants(...run.t);
+    this.times = summed(...run.t);
     this.bodies = run.bodies.map(({ pose: [x, y, ...turn], outlines, ...body }) => ({
       ...body,
       outlines: outlines.map(pairs),
-      pose: [x, y, angles(...turn)],
+      pose: [x, y, summed(...turn)],
     }));
     this.strokes = run.strokes.map((stroke) => ({ ...stroke, corners: pairs(stroke.points) }));
     this.turns = turnsBetween(this.bodies, this.times.length);
     this.largestTurn = this.turns.reduce((largest, turn) => Math.max(largest, turn), 0);
+    const { symbols } = run;
+    this.kinds = Object.fromEntries(symbols.map(({ element, kind }) => [element, kind]));
+    this.links = symbols.filter(({ lines }) => lines);
+    this.drives = symbols.filter(({ shape }) => shape === "drive");
+    this.traces = symbols.filter(({ path }) => path);
+    const named = symbols.filter(({ role, shape, at }) => at && (role === "joint" || shape === "trace"));
+    this.names = [...new Map(named.toReversed().map((one) => [one.element, one])).values()].toReversed();
+    this.joints = symbols.filter(({ shape }) => shape === "reaction").length;
+    this.gravity = symbols.find(({ gravity }) => gravity)?.gravity;
     this.byName = new Map(run.series.map((one) => [one.name, one]));
     this.show(this.start);
   }
@@ -106,7 +115,7 @@ export class Scene {
       const frame = shift && [poseOf(shift, this.at)];
       for (const point of corners) add(this.place({ ...(frame ? inWorld(frame, { body: 0, ...point }) : point), body }));
     }
-    const { links, names, drives, traces } = this.run;
+    const { links, names, drives, traces } = this;
     const places = [...links.flatMap(({ i, j }) => [i, j]), ...[...names, ...drives, ...traces].map(({ at }) => at)];
     for (const place of places) add(this.place(place), 3 * this.u);
     return box;

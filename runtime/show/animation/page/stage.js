@@ -83,8 +83,8 @@ export class Stage {
 
   /** The direction of gravity, in the corner. */
   gravity() {
-    if (!this.scene.run.gravity) return [];
-    const [gx, gy] = this.scene.run.gravity;
+    if (!this.scene.gravity) return [];
+    const [gx, gy] = this.scene.gravity;
     const turn = `rotate(${(Math.atan2(-gy, gx) * 180) / Math.PI})`;
     const line = svg("path", { d: "M-16 0H16M10 -4L16 0L10 4", transform: turn });
     return [svg("g", { class: "gravity", transform: "translate(26 26)" }, svg("title", {}, "gravity"), line)];

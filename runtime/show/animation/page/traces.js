@@ -6,7 +6,7 @@ const TAIL = 90; // samples of the strong part
 
 /** The traces of a scene, each {node, update}. */
 export function drawTraces(scene) {
-  return scene.run.traces.map(({ element, at, path: [x, y] }) => {
+  return scene.traces.map(({ element, at, path: [x, y] }) => {
     const points = Array.from(x, (value, k) => ({ x: value, y: y[k] }));
     const tail = svg("path", { class: "tail" });
     const dot = svg("circle", { class: "traced", r: 0.5 * scene.u });

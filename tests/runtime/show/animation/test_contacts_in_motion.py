@@ -10,8 +10,9 @@ from sympy import Piecewise, sqrt
 
 from codegen import Model, disc, t
 from codegen.drawing.annotations import Load, loads
-from codegen.drawing.contacts import moving_surfaces, sides_of, surfaces
+from codegen.drawing.contacts import moving_surfaces, surfaces
 from codegen.drawing.lines_between_bodies import lines_between_bodies
+from codegen.drawing.shapes import ContactSide
 from runtime import Result, load
 from runtime.show.animation.page_data import machine_data
 from runtime.show.pictures import exerted, moving_picture
@@ -152,7 +153,7 @@ def test_a_ball_that_starts_at_the_centre_of_a_bowl(tmp_path: Path) -> None:
     start = {ball.x: 0.0, ball.y: 0.0, ball.vx: 0.0, ball.vy: 0.0}
     model.scene("falling", ["gravity", "bowl"], start=start)
     shown = moving_picture(load(model, generated=tmp_path).simulate(0.5, 51, progress=False))
-    ((_, side),) = sides_of(shown)
+    ((_, side),) = shown.having(ContactSide)
     assert np.isnan(side.gy[0])
     assert_allclose(side.gy[1:], 1.0)
     (surface,) = moving_surfaces(shown)
