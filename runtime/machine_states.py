@@ -11,6 +11,7 @@ from codegen.errors import InputError
 from codegen.object_display import counted, html_of, html_table
 from codegen.readers.calls import checked_class
 from codegen.readers.values import shown
+from runtime.core.arrays import Vector
 from runtime.core.kernel_abi import Kernels
 from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.mechanism.module_tables import Description
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from runtime.results.result import Result
 
 
-FloatArray = npt.NDArray[np.float64]
 _SHOWN = 8  # layout: parameters that the text names
 
 
@@ -150,7 +150,7 @@ class MachineStates:
         """
         return self.degrees_of_freedom == 0 and not self.states
 
-    def parameter_values(self, overrides: Values | None = None) -> FloatArray:
+    def parameter_values(self, overrides: Values | None = None) -> Vector:
         """Parameters followed by the constants derived from them, as the kernels take them.
 
         Parameters
@@ -172,7 +172,7 @@ class MachineStates:
 
     @shows_compilation
     def initial_modes(
-        self, t: float = 0.0, q: FloatArray | None = None, v: FloatArray | None = None,
+        self, t: float = 0.0, q: Vector | None = None, v: Vector | None = None,
         parameters: Values | None = None,
     ) -> npt.NDArray[np.int64]:  # fmt: skip
         """Modes of the switching functions at a state, as the kernels take them.

@@ -4,16 +4,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
 from codegen.errors import UnknownNameError
 from codegen.object_display import html_of, html_table, listed, without_rounding
 from codegen.readers.calls import checked_class, named_attributes
+from runtime.core.arrays import Vector
 from runtime.integrate.problem import Discrete
 from runtime.mechanism.table_rows import Coordinate, Table, unknown
-
-FloatArray = npt.NDArray[np.float64]
 
 
 class DiscreteState(NamedTuple):
@@ -21,7 +17,7 @@ class DiscreteState(NamedTuple):
 
     scene: str
     sampled: tuple[str, ...]  # values that clocks or conditions renew; a latch stands there twice
-    clocks: FloatArray  # period and delay of each of them, s, (count, 2)
+    clocks: Vector  # period and delay of each of them, s, (count, 2)
     watched: tuple[tuple[str, ...], ...]  # name, action and target of each condition
     stand: Discrete
 
@@ -66,8 +62,8 @@ class State:
     """
 
     t: float
-    q: FloatArray
-    v: FloatArray
+    q: Vector
+    v: Vector
     coordinates: Table[Coordinate] = field(default=Table(), repr=False)
     sampled: bool = field(default=False, repr=False)
     discrete: DiscreteState | None = field(default=None, repr=False)
@@ -122,8 +118,8 @@ class Assembly:
     """
 
     t: float
-    q: FloatArray
-    v: FloatArray
+    q: Vector
+    v: Vector
     residual: Mapping[str, float]
     velocity_residual: Mapping[str, float]
     moved: tuple[Moved, ...]

@@ -21,18 +21,17 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 from pydantic import BaseModel, PositiveInt
 
 from codegen.errors import InputError
 from codegen.object_display import counted
 from codegen.readers.quantities import QUANTITY, UnitError, converted, number_in
 from codegen.readers.values import finite_float, one_line, shown
+from runtime.core.arrays import Matrix, Vector
 
 if TYPE_CHECKING:
     import xarray as xr
 
-FloatArray = npt.NDArray[np.float64]
 GRID, GIVEN, SALTELLI = "grid", "given", "saltelli"
 SAMPLES = ("lhs", "sobol", "halton", "random", SALTELLI)
 DISTRIBUTIONS = {"uniform": "LOW and HIGH", "normal": "a MEAN and a standard deviation SD"}
@@ -58,7 +57,7 @@ class Factor:
     """A quantity that varies over a sweep: a parameter or a start value."""
 
     name: str
-    values: FloatArray = field(default_factory=lambda: np.zeros(0))  # none of a sample
+    values: Vector = field(default_factory=lambda: np.zeros(0))  # none of a sample
     distribution: str = ""  # of a sample: one of DISTRIBUTIONS
     bounds: tuple[float, float] = (math.nan, math.nan)  # low and high, or mean and deviation
     unit: str = ""  # that of the text, where it is not the declared one
@@ -72,7 +71,7 @@ class Factor:
         first, last = self.values[0], self.values[-1]
         return f"{len(self.values)} values from {first:g} to {last:g} {self.unit}".rstrip()
 
-    def quantile(self, share: FloatArray) -> FloatArray:
+    def quantile(self, share: Vector) -> Vector:
         """Values below which a share, (k,) from 0 to 1, of the distribution lies."""
         first, second = self.bounds
         if self.distribution == "uniform":
@@ -86,7 +85,7 @@ class Factor:
 def read_design(
     over: "Mapping[str, Any] | Sequence[str] | xr.Dataset", sample: str | None, count: int | None,
     seed: int, unit_of: Callable[[str], str],
-) -> tuple[Design, FloatArray]:  # fmt: skip
+) -> tuple[Design, Matrix]:  # fmt: skip
     """A design and its points, (runs, factors), in the units that the machine declares.
 
     `unit_of` returns the unit of a factor by its name, and raises InputError where there is none.
@@ -163,7 +162,7 @@ def _misfits(factors: Sequence[Factor], kind: str, count: int | None) -> list[st
     return problems
 
 
-def unit_sample(kind: str, dimensions: int, count: int, seed: int) -> FloatArray:
+def unit_sample(kind: str, dimensions: int, count: int, seed: int) -> Vector:
     """Points in the unit cube, (count, dimensions); of "saltelli" (count (dimensions + 2), …)."""
     if kind == SALTELLI:
         problem = salib_problem([f"x{k}" for k in range(dimensions)])
@@ -357,7 +356,7 @@ def _numbers(texts: Sequence[str], where: str) -> tuple[list[float], str]:
         raise InputError(f"{where}: {error}") from None
 
 
-def _grid(name: str, values: FloatArray, where: str, unit: str = "") -> Factor:
+def _grid(name: str, values: Vector, where: str, unit: str = "") -> Factor:
     if not len(values) or not np.isfinite(values).all():
         raise InputError(f"{where}: all values must be finite numbers, and at least one.")
     if len(np.unique(values)) < len(values):

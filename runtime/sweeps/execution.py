@@ -35,7 +35,7 @@ import numpy as np
 from codegen.errors import InputError, LinkwrightError, SupersededError
 from codegen.object_display import counted
 from codegen.termination_signals import SignalDeferral
-from runtime.core.arrays import Matrix
+from runtime.core.arrays import Integers, Matrix
 from runtime.machine_facade import Machine
 from runtime.mechanism.mechanism import read_mechanism
 from runtime.progress_bar import bar
@@ -50,7 +50,7 @@ from runtime.sweeps.request import (
     program_facts,
     rows_without_runs,
 )
-from runtime.sweeps.store import Integers, Store
+from runtime.sweeps.store import Store
 
 START = """
 import json, sys

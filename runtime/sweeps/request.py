@@ -21,20 +21,19 @@ from types import CodeType, FunctionType, MappingProxyType, ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from pydantic import BaseModel, FiniteFloat, PositiveInt
 
 from codegen import __version__
 from codegen.errors import FAILURES, InputError, LinkwrightError
 from codegen.files.library_folders import installed_folders
 from codegen.readers.values import one_line
+from runtime.core.arrays import Matrix, Vector
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
 from runtime.results.result import Result
 from runtime.results.samples import plain
 from runtime.studies.quantity import parse_quantity
 
-FloatArray = npt.NDArray[np.float64]
 OK = "OK"  # outcome of a run to its end; other runs have the name of an `Outcome`, or one of these
 REFUSED = "REFUSED"
 ERROR = "ERROR"
@@ -73,7 +72,7 @@ class Request(BaseModel, frozen=True):
     start: dict[str, FiniteFloat]
     options: dict[str, Any]  # of `simulate`, those that are given
 
-    def facts(self, points: FloatArray) -> dict[str, Any]:
+    def facts(self, points: Matrix) -> dict[str, Any]:
         """All that determines the numbers, as JSON; `points` are (runs, factors).
 
         Raises
@@ -150,7 +149,7 @@ def changed_programs(before: Mapping[str, Any]) -> list[str]:
     return [*differences({name: before.get(name, "not noted") for name in now}, now)]
 
 
-def run_member(machine: Machine, request: Request, point: FloatArray) -> Result:
+def run_member(machine: Machine, request: Request, point: Vector) -> Result:
     """The run of a member, by the same words in every process.
 
     Raises
@@ -175,8 +174,8 @@ def run_member(machine: Machine, request: Request, point: FloatArray) -> Result:
 class Rows(NamedTuple):
     """All that is kept of some runs; not a number where there is none."""
 
-    numbers: FloatArray  # (runs, quantities + 1): the quantities, the instant reached in s
-    series: FloatArray  # (runs, series, instants)
+    numbers: Vector  # (runs, quantities + 1): the quantities, the instant reached in s
+    series: Vector  # (runs, series, instants)
     outcomes: list[str]
     messages: list[str]
 
@@ -188,7 +187,7 @@ def rows_without_runs(request: Request, count: int, outcome: str = "", message: 
     return Rows(numbers, series, [outcome] * count, [message] * count)
 
 
-def evaluate_members(machine: Machine, request: Request, points: FloatArray) -> Rows:
+def evaluate_members(machine: Machine, request: Request, points: Matrix) -> Rows:
     """Run the members of these points, (runs, factors); every failure is a row.
 
     Rows of the first ones alone where these take long, or the user stops them.
@@ -210,7 +209,7 @@ def evaluate_members(machine: Machine, request: Request, points: FloatArray) -> 
 
 
 def _evaluate_member(
-    machine: Machine, request: Request, point: FloatArray, numbers: FloatArray, series: FloatArray
+    machine: Machine, request: Request, point: Vector, numbers: Vector, series: Vector
 ) -> tuple[str, str]:
     """Run a member, and write what its row keeps; its outcome and message."""
     try:

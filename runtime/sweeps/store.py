@@ -20,11 +20,11 @@ from pydantic import BaseModel, Field, FiniteFloat, PositiveInt, ValidationError
 from codegen.errors import InputError
 from codegen.files.whole_files import flush_folder
 from codegen.readers.values import shown
+from runtime.core.arrays import Integers, Matrix
 from runtime.results.zarr_store import require_plain
-from runtime.sweeps.design import MOST_RUNS, Design, FloatArray
+from runtime.sweeps.design import MOST_RUNS, Design
 from runtime.sweeps.request import KILLED, MEMORY, Request, Rows
 
-Integers = npt.NDArray[np.int64]
 OUTCOME, MESSAGE, LAST, TIME, RUN = "outcome", "message", "t_last", "t", "run"
 RESERVED = {OUTCOME, MESSAGE, LAST, TIME, RUN}
 """Names that no factor, quantity or series of a sweep may have."""
@@ -219,7 +219,7 @@ def _require_fit(store: Store) -> None:
 
 
 def create_store(
-    path: Path, request: Request, design: Design, points: FloatArray, units: Mapping[str, str],
+    path: Path, request: Request, design: Design, points: Matrix, units: Mapping[str, str],
     chunk: int, seconds: float,
 ) -> None:  # fmt: skip
     """Write the store of a sweep, whole or not at all: all its arrays, empty but for the points.

@@ -15,6 +15,7 @@ from codegen.errors import InputError, LinkwrightError, UnknownNameError
 from codegen.object_display import counted
 from codegen.readers import arguments as readers
 from codegen.readers.values import KindError
+from runtime.core.arrays import Integers, Matrix
 from runtime.integrate.method import IMPLICIT
 from runtime.machine_facade import Machine
 from runtime.machine_loading import load
@@ -28,7 +29,7 @@ from runtime.studies.harness import (
     takes_simulation_arguments,
 )
 from runtime.studies.quantity import Function, declared_unit
-from runtime.sweeps.design import Design, FloatArray, read_design
+from runtime.sweeps.design import Design, read_design
 from runtime.sweeps.execution import ClusterWorkers, LocalWorkers, Pool, execute
 from runtime.sweeps.request import (
     MEMORY,
@@ -39,7 +40,6 @@ from runtime.sweeps.request import (
     evaluate_members,
 )
 from runtime.sweeps.store import (
-    Integers,
     create_store,
     file_sizes,
     name_problems,
@@ -240,7 +240,7 @@ def _require_place(path: Path, *, resume: bool) -> None:
 
 
 def _study(
-    path: Path, machine: Machine, request: Request, design: Design, points: FloatArray,
+    path: Path, machine: Machine, request: Request, design: Design, points: Matrix,
     workers: int | None, scheduler: str | None, *, progress: bool,
 ) -> Study:  # fmt: skip
     """The study of a request: its store, which is created or goes on, and the runs it lacks."""
@@ -315,7 +315,7 @@ def units_of(machine: Machine, request: Request) -> dict[str, str]:
 
 
 def try_members(
-    machine: Machine, request: Request, points: FloatArray, runs: Integers
+    machine: Machine, request: Request, points: Matrix, runs: Integers
 ) -> tuple[float, Integers, Rows]:
     """Seconds of the processor that a run takes; a few of the runs, and their rows.
 

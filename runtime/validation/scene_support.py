@@ -3,9 +3,9 @@
 from typing import NoReturn
 
 import numpy as np
-import numpy.typing as npt
 
 from codegen.errors import AnalysisError, InputError
+from runtime.core.arrays import Vector
 from runtime.mechanism.mechanism import Mechanism
 from runtime.results.assembled_state import Assembly
 from runtime.results.samples import Samples
@@ -81,11 +81,8 @@ def driven_note(mechanism: Mechanism, begin: Assembly) -> str:
     )
 
 
-FloatArray = npt.NDArray[np.float64]
-
-
 def require_apart(
-    mechanism: Mechanism, p: FloatArray, t: float, q: FloatArray, v: FloatArray, size: float
+    mechanism: Mechanism, p: Vector, t: float, q: Vector, v: Vector, size: float
 ) -> None:
     """Refuse an assembled start in which bodies overlap at a rigid contact; `size` is in m."""
     description = mechanism.description
@@ -136,7 +133,7 @@ def require_no_sticking(mechanism: Mechanism, analysis: str) -> None:
         )
 
 
-def require_slip(mechanism: Mechanism, p: FloatArray, samples: Samples) -> None:
+def require_slip(mechanism: Mechanism, p: Vector, samples: Samples) -> None:
     """Refuse instants at which friction sticks, so that its force is not determined."""
     description = mechanism.description
     frictions = [k for k, row in enumerate(description.switches) if row.sticks]

@@ -136,16 +136,6 @@ def test_new_process_takes_kernels_from_the_cache(pendulum: Machine, workshop: P
     assert "scipy.optimize" not in modules
 
 
-def test_model_of_the_running_program(tmp_path: Path) -> None:
-    model = codegen.Model("stone")
-    stone = model.body("stone", mass=2.0, inertia=1.0)
-    model.force("wind", on=stone, fx=4.0)
-    machine = load(model, folder=tmp_path)
-    assert machine.path.parent == tmp_path / "generated"
-    result = machine.simulate(1.0, [0.0, 1.0])
-    assert result.q("stone.x")[1] == pytest.approx(1.0, abs=1e-12)
-
-
 def test_models_of_the_library_may_be_a_link(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -231,6 +221,8 @@ def test_a_file_and_a_model_in_memory_of_one_name(tmp_path: Path) -> None:
     model.body("body", 1.0, 1.0)
     model.scene("fall", ["gravity"])
     (tmp_path / "mm.py").write_text(TEXT.format(g=9.81))
-    assert fall(load(model, "fall", folder=tmp_path)) == -1.0
+    machine = load(model, "fall", folder=tmp_path)
+    assert machine.path.parent == tmp_path / "generated"
+    assert fall(machine) == -1.0
     assert fall(load("mm.py", "fall", folder=tmp_path)) == -9.81
     assert fall(load(model, "fall", folder=tmp_path)) == -1.0

@@ -19,35 +19,40 @@ class Terminal(io.StringIO):
         return True
 
 
-def test_nothing_is_shown_where_nobody_looks(capsys: pytest.CaptureFixture[str]) -> None:
-    with progress.bar("work") as report:
-        assert report is progress.silent
-        report(0.5)
-    assert capsys.readouterr() == ("", "")
+@pytest.fixture
+def stream() -> type[io.StringIO]:
+    """Where nothing else is said, a person looks at a terminal."""
+    return Terminal
 
 
-def test_a_short_analysis_shows_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    terminal = Terminal()
-    monkeypatch.setattr(sys, "stderr", terminal)
-    with progress.bar("work") as report:
-        report(0.5)
-    assert terminal.getvalue() == ""
+@pytest.fixture
+def shown(monkeypatch: pytest.MonkeyPatch, stream: type[io.StringIO]) -> io.StringIO:
+    """What is written for a person."""
+    made = stream()
+    monkeypatch.setattr(sys, "stderr", made)
+    return made
 
 
-def test_a_long_analysis_shows_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
-    terminal = Terminal()
-    monkeypatch.setattr(sys, "stderr", terminal)
-    monkeypatch.setattr(progress, "PATIENCE", -1.0)
-    with progress.bar("kinematics of x/y") as report:
+@pytest.mark.parametrize(
+    ("stream", "wanted", "patience", "told"),
+    [
+        (io.StringIO, True, -1.0, False),
+        (Terminal, False, -1.0, False),
+        (Terminal, True, 1.0, False),
+        (Terminal, True, -1.0, True),
+    ],
+    ids=["nobody looks", "declined", "short", "long"],
+)
+def test_a_long_analysis_shows_a_bar_to_a_terminal(
+    monkeypatch: pytest.MonkeyPatch, shown: io.StringIO, wanted: bool, patience: float, told: bool
+) -> None:
+    monkeypatch.setattr(progress, "PATIENCE", patience)
+    with progress.bar("kinematics of x/y", wanted) as report:
+        assert (report is progress.silent) is (not wanted or not shown.isatty())
         report(0.25)
         report(0.5)
-    assert "kinematics of x/y" in terminal.getvalue()
-
-
-def test_a_bar_can_be_declined(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys, "stderr", Terminal())
-    with progress.bar("work", wanted=False) as report:
-        assert report is progress.silent
+    assert ("kinematics of x/y" in shown.getvalue()) is told
+    assert told or not shown.getvalue()
 
 
 def test_analyses_report_their_progress(driven: Machine) -> None:
@@ -89,10 +94,8 @@ def runtime_at(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize("stream", [Terminal, Notebook])
 def test_compilation_of_the_runtime_is_told_with_how_long_it_takes(
-    monkeypatch: pytest.MonkeyPatch, runtime_at: Path, stream: type[io.StringIO]
+    shown: io.StringIO, runtime_at: Path, stream: type[io.StringIO]
 ) -> None:
-    shown = stream()
-    monkeypatch.setattr(sys, "stderr", shown)
     with progress.compilation_shown():
         compile_one(runtime_at, "loop")
         compile_one(runtime_at, "step")
@@ -102,13 +105,12 @@ def test_compilation_of_the_runtime_is_told_with_how_long_it_takes(
     assert text.endswith("s; later runs start at once.\n")
 
 
+@pytest.mark.parametrize("stream", [Notebook])
 def test_what_is_not_compiled_is_no_time_of_compilation(
-    monkeypatch: pytest.MonkeyPatch, runtime_at: Path
+    monkeypatch: pytest.MonkeyPatch, shown: io.StringIO, runtime_at: Path
 ) -> None:
     """Two functions of 2 s each, 300 s of a run between them."""
     instants = iter([0.0, 2.0, 302.0, 304.0])
-    shown = Notebook()
-    monkeypatch.setattr(sys, "stderr", shown)
     monkeypatch.setattr(progress, "time", SimpleNamespace(monotonic=lambda: next(instants)))
     compilation, namespace = progress._Compilation(terminal=False), dict[str, Any]()
     exec(compile(FUNCTION, str(runtime_at / "loop.py"), "exec"), namespace)
@@ -119,34 +121,25 @@ def test_what_is_not_compiled_is_no_time_of_compilation(
     assert "compiled in 4 s;" in shown.getvalue()
 
 
-def test_compilation_of_a_scene_is_told_by_its_name(
-    monkeypatch: pytest.MonkeyPatch, runtime_at: Path, tmp_path: Path
-) -> None:
-    shown = Notebook()
-    monkeypatch.setattr(sys, "stderr", shown)
+@pytest.mark.usefixtures("runtime_at")
+@pytest.mark.parametrize("stream", [Notebook])
+def test_compilation_of_a_scene_is_told_by_its_name(shown: io.StringIO, tmp_path: Path) -> None:
     with progress.compilation_shown():
         compile_one(tmp_path / "generated", "pendulum__swing")
     assert shown.getvalue() == "Linkwright: compiling pendulum, scene swing.\n"
 
 
-@pytest.mark.parametrize(("stream", "wanted"), [(io.StringIO, True), (Terminal, False)])
+@pytest.mark.parametrize(
+    ("stream", "wanted", "patience"),
+    [(io.StringIO, True, -1.0), (Terminal, False, -1.0), (Terminal, True, 60.0)],
+    ids=["nobody looks", "declined", "short"],
+)
 def test_compilation_is_told_to_nobody_who_does_not_look(
-    monkeypatch: pytest.MonkeyPatch, runtime_at: Path, stream: type[io.StringIO], wanted: bool
-) -> None:
-    shown = stream()
-    monkeypatch.setattr(sys, "stderr", shown)
+    monkeypatch: pytest.MonkeyPatch, shown: io.StringIO, runtime_at: Path, wanted: bool,
+    patience: float,
+) -> None:  # fmt: skip
+    monkeypatch.setattr(progress, "PATIENCE", patience)
     with progress.compilation_shown(wanted):
-        compile_one(runtime_at, "loop")
-    assert shown.getvalue() == ""
-
-
-def test_compilation_in_a_moment_is_not_told(
-    monkeypatch: pytest.MonkeyPatch, runtime_at: Path
-) -> None:
-    monkeypatch.setattr(progress, "PATIENCE", 60.0)
-    shown = Terminal()
-    monkeypatch.setattr(sys, "stderr", shown)
-    with progress.compilation_shown():
         compile_one(runtime_at, "loop")
     assert shown.getvalue() == ""
 

@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 from codegen import Model, t
 from codegen.errors import InputError
 from runtime import Machine, Result, load
+from runtime.results.export import table
 
 INSTANTS = np.linspace(0.0, 3.0, 61)
 TIP = (0.3, -0.2)
@@ -102,13 +103,7 @@ def test_paths_are_those_of_the_points(told: Result) -> None:
     assert told.series("tip.x")[1] == "m"
     assert told.series("work(motor)")[1] == "J"
     assert "tip" not in told.data["joint"]
-
-
-def test_files_hold_what_was_asked_for(told: Result, tmp_path: Path) -> None:
-    head = told.save(tmp_path / "run.csv").read_text().splitlines()[0]
-    for column in ("tip.x [m]", "work(spring) [J]", "power(motor) [W]"):
-        assert column in head
-    assert "power(work" not in head
+    assert {"tip.x [m]", "work(spring) [J]", "power(motor) [W]"} <= {*table(told)}
 
 
 def test_driven_scenes_have_paths(folder: Path) -> None:

@@ -87,11 +87,14 @@ def test_pictures_of_one_two_and_more_factors(
     assert labels[-1] == "max:B.fx (N)"
 
 
+def command(out: Path, over: str) -> list[str]:
+    return ["sweep", "slider_crank", "--scene", "compressor", "--over", over,
+            "--quantity", "max:B.fx", "--t-end", "0.05", "--points", "21", "--workers", "0",
+            "--out", str(out), "--json"]  # fmt: skip
+
+
 def test_the_command(tmp_path: Path) -> None:
-    out, picture = tmp_path / "s.zarr", tmp_path / "s.png"
-    words = ["sweep", "slider_crank", "--scene", "compressor", "--over", "J1=200:1000:4",
-             "--quantity", "max:B.fx", "--t-end", "0.05", "--points", "21", "--workers", "0",
-             "--out", str(out), "--json"]  # fmt: skip
+    words, picture = command(tmp_path / "s.zarr", "J1=200:1000:4"), tmp_path / "s.png"
     done = CliRunner().invoke(app, [*words, "--picture", str(picture)])
     assert done.exit_code == 0, done.stderr
     answer = json.loads(done.stdout)
@@ -112,10 +115,7 @@ def test_the_command(tmp_path: Path) -> None:
 
 
 def test_a_command_of_which_no_run_succeeds(tmp_path: Path) -> None:
-    words = ["sweep", "slider_crank", "--scene", "compressor", "--over", "rod_length=-1,-2",
-             "--quantity", "max:B.fx", "--t-end", "0.05", "--points", "21", "--workers", "0",
-             "--out", str(tmp_path / "s.zarr"), "--json"]  # fmt: skip
-    done = CliRunner().invoke(app, words)
+    done = CliRunner().invoke(app, command(tmp_path / "s.zarr", "rod_length=-1,-2"))
     assert done.exit_code == 1, done.stderr
     assert json.loads(done.stdout)["ok"] is False
     assert "REFUSED: 2 runs" in done.stderr
