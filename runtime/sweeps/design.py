@@ -28,6 +28,7 @@ from codegen.object_display import counted
 from codegen.readers.quantities import QUANTITY, UnitError, converted, number_in
 from codegen.readers.values import finite_float, one_line, shown
 from runtime.core.arrays import Matrix, Vector
+from runtime.results.motion_at_instants import finite_numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -270,20 +271,18 @@ def read_factors(over: Mapping[str, Any] | Sequence[str]) -> tuple[Factor, ...]:
     InputError
         One sentence for each factor that cannot be read.
     """
-    found, problems, pairs = dict[str, Factor](), list[str](), list[tuple[str, Any]]()
+    found, problems = dict[str, Factor](), list[str]()
     if isinstance(over, Mapping):
-        pairs += over.items()
+        pairs = [*over.items()]
     else:
-        for text in over:
-            name, sign, given = (part.strip() for part in text.partition("="))
-            if sign and name:
-                pairs.append((name, given))
-            else:
-                problems.append(f"over, {one_line(text)}: {_FORM}.")
+        parts = (text.partition("=") for text in over)
+        pairs = [(name.strip(), given.strip()) for name, _, given in parts]
     for name, given in pairs:
-        if name in found:
-            problems.append(f"{name} is varied twice; give it once.")
         try:
+            if not name:
+                raise InputError(f"over, ={given}: {_FORM}.")
+            if name in found:
+                problems.append(f"{name} is varied twice; give it once.")
             found[name] = read_factor(name, given)
         except InputError as error:
             problems += error.problems
@@ -301,16 +300,13 @@ def read_factor(name: str, given: Any) -> Factor:
         return _read_text(name, given, where)
     if isinstance(given, tuple | list) and given and isinstance(given[0], str):
         return _distribution(name, given[0], [finite_float(x) for x in given[1:]], where)
-    try:
-        array = np.atleast_1d(np.asarray(given))
-    except (TypeError, ValueError):
-        array = np.zeros(0, dtype=object)
-    if array.ndim != 1 or array.dtype.kind not in "iuf" or not len(array):
+    values = finite_numbers(given)
+    if values is None:
         raise InputError(
-            f"{where} is {shown(given)}; it must be numbers, a text such as '200:1000:81', or a "
-            'distribution such as ("normal", 1.0, 0.01).'
+            f"{where} is {shown(given)}; it must be numbers, all finite, a text such as "
+            "'200:1000:81', or a distribution such as (\"normal\", 1.0, 0.01)."
         )
-    return _grid(name, array.astype(np.float64), where)
+    return _grid(name, values, where)
 
 
 def _read_text(name: str, text: str, where: str) -> Factor:

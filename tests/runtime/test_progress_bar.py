@@ -2,6 +2,7 @@
 
 import io
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -13,6 +14,8 @@ from runtime import load
 from runtime import progress_bar as progress
 from runtime.machine_facade import Machine
 
+Look = Callable[[type[io.StringIO]], io.StringIO]
+
 
 class Terminal(io.StringIO):
     def isatty(self) -> bool:
@@ -20,17 +23,15 @@ class Terminal(io.StringIO):
 
 
 @pytest.fixture
-def stream() -> type[io.StringIO]:
-    """Where nothing else is said, a person looks at a terminal."""
-    return Terminal
+def look(monkeypatch: pytest.MonkeyPatch) -> Look:
+    """Lets a stream stand for that at which a person looks, and returns it."""
 
+    def at(stream: type[io.StringIO]) -> io.StringIO:
+        made = stream()
+        monkeypatch.setattr(sys, "stderr", made)
+        return made
 
-@pytest.fixture
-def shown(monkeypatch: pytest.MonkeyPatch, stream: type[io.StringIO]) -> io.StringIO:
-    """What is written for a person."""
-    made = stream()
-    monkeypatch.setattr(sys, "stderr", made)
-    return made
+    return at
 
 
 @pytest.mark.parametrize(
@@ -44,8 +45,10 @@ def shown(monkeypatch: pytest.MonkeyPatch, stream: type[io.StringIO]) -> io.Stri
     ids=["nobody looks", "declined", "short", "long"],
 )
 def test_a_long_analysis_shows_a_bar_to_a_terminal(
-    monkeypatch: pytest.MonkeyPatch, shown: io.StringIO, wanted: bool, patience: float, told: bool
-) -> None:
+    monkeypatch: pytest.MonkeyPatch, look: Look, stream: type[io.StringIO], wanted: bool,
+    patience: float, told: bool,
+) -> None:  # fmt: skip
+    shown = look(stream)
     monkeypatch.setattr(progress, "PATIENCE", patience)
     with progress.bar("kinematics of x/y", wanted) as report:
         assert (report is progress.silent) is (not wanted or not shown.isatty())
@@ -94,8 +97,9 @@ def runtime_at(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize("stream", [Terminal, Notebook])
 def test_compilation_of_the_runtime_is_told_with_how_long_it_takes(
-    shown: io.StringIO, runtime_at: Path, stream: type[io.StringIO]
+    look: Look, runtime_at: Path, stream: type[io.StringIO]
 ) -> None:
+    shown = look(stream)
     with progress.compilation_shown():
         compile_one(runtime_at, "loop")
         compile_one(runtime_at, "step")
@@ -105,12 +109,11 @@ def test_compilation_of_the_runtime_is_told_with_how_long_it_takes(
     assert text.endswith("s; later runs start at once.\n")
 
 
-@pytest.mark.parametrize("stream", [Notebook])
 def test_what_is_not_compiled_is_no_time_of_compilation(
-    monkeypatch: pytest.MonkeyPatch, shown: io.StringIO, runtime_at: Path
+    monkeypatch: pytest.MonkeyPatch, look: Look, runtime_at: Path
 ) -> None:
     """Two functions of 2 s each, 300 s of a run between them."""
-    instants = iter([0.0, 2.0, 302.0, 304.0])
+    shown, instants = look(Notebook), iter([0.0, 2.0, 302.0, 304.0])
     monkeypatch.setattr(progress, "time", SimpleNamespace(monotonic=lambda: next(instants)))
     compilation, namespace = progress._Compilation(terminal=False), dict[str, Any]()
     exec(compile(FUNCTION, str(runtime_at / "loop.py"), "exec"), namespace)
@@ -122,8 +125,8 @@ def test_what_is_not_compiled_is_no_time_of_compilation(
 
 
 @pytest.mark.usefixtures("runtime_at")
-@pytest.mark.parametrize("stream", [Notebook])
-def test_compilation_of_a_scene_is_told_by_its_name(shown: io.StringIO, tmp_path: Path) -> None:
+def test_compilation_of_a_scene_is_told_by_its_name(look: Look, tmp_path: Path) -> None:
+    shown = look(Notebook)
     with progress.compilation_shown():
         compile_one(tmp_path / "generated", "pendulum__swing")
     assert shown.getvalue() == "Linkwright: compiling pendulum, scene swing.\n"
@@ -135,9 +138,10 @@ def test_compilation_of_a_scene_is_told_by_its_name(shown: io.StringIO, tmp_path
     ids=["nobody looks", "declined", "short"],
 )
 def test_compilation_is_told_to_nobody_who_does_not_look(
-    monkeypatch: pytest.MonkeyPatch, shown: io.StringIO, runtime_at: Path, wanted: bool,
-    patience: float,
+    monkeypatch: pytest.MonkeyPatch, look: Look, runtime_at: Path, stream: type[io.StringIO],
+    wanted: bool, patience: float,
 ) -> None:  # fmt: skip
+    shown = look(stream)
     monkeypatch.setattr(progress, "PATIENCE", patience)
     with progress.compilation_shown(wanted):
         compile_one(runtime_at, "loop")
