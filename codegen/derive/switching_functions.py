@@ -20,12 +20,7 @@ from codegen.declare.symbols import (
     t,
 )
 from codegen.derive.effect_terms import EffectTerms
-from codegen.derive.piecewise_conditions import (
-    Boundary,
-    boundary,
-    conditions,
-    switching_function,
-)
+from codegen.derive.piecewise_conditions import Boundary, boundary, conditions, switching_function
 from codegen.readers.calls import errors_at
 from codegen.tables.table_function import Interpolant
 

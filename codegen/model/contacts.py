@@ -10,12 +10,7 @@ from codegen.declare.body import Bodies
 from codegen.declare.element import Constraint, Effect, label
 from codegen.declare.symbols import Coordinate, Time, Velocity, kinds, rate
 from codegen.elements.forces.clearance_joint import ClearanceJoint
-from codegen.elements.forces.contacts import (
-    Contact,
-    RigidContact,
-    Stop,
-    gap_between,
-)
+from codegen.elements.forces.contacts import Contact, RigidContact, Stop, gap_between
 from codegen.elements.forces.friction import JOINTS, DryFriction, JointFriction, joint_coordinate
 from codegen.elements.scalar_measures import unit_of
 from codegen.model.base import Declarations, Ends, Pair, Place, declares

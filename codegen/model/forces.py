@@ -17,12 +17,7 @@ from codegen.elements.forces.applied import (
     Potential,
 )
 from codegen.elements.forces.springs import Bushing, Spring, TorsionSpring
-from codegen.elements.forces.transmissions import (
-    ElasticBelt,
-    GearWithBacklash,
-    Motor,
-    OneWayClutch,
-)
+from codegen.elements.forces.transmissions import ElasticBelt, GearWithBacklash, Motor, OneWayClutch
 from codegen.model.base import Declarations, Place, declares
 from codegen.readers.values import shown
 

@@ -17,7 +17,7 @@ def free_body() -> Model:
 def names_like_arguments() -> Model:
     """Parameters called as the arguments and modules of the kernels, bodies called i, j and p."""
     model = Model("names")
-    names = (
+    names = [
         "q",
         "v",
         "p_7",
@@ -30,7 +30,7 @@ def names_like_arguments() -> Model:
         "max",
         "print",
         "f_1",
-    )
+    ]
     numbers = [model.parameter(name, 1.0 + k / 10) for k, name in enumerate(names)]
     mass = model.parameter("OPTIONS", 2.0, unit="kg")
     i = model.body("i", mass=mass, inertia=numbers[0])

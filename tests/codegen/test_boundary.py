@@ -11,11 +11,7 @@ import pint
 import pytest
 import sympy
 
-from codegen import (
-    LinkwrightError,
-    Model,
-    alpha,
-)
+from codegen import LinkwrightError, Model, alpha
 from codegen.errors import ParameterError
 from codegen.reading.scene_selection import valid_scenes, with_settings
 

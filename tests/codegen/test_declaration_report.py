@@ -47,8 +47,7 @@ def test_a_sound_model() -> None:
     assert (driven.constraints, driven.degrees_of_freedom, driven.drivers) == (9, 0, ("motor",))
     assert free.notes == ()
     assert free.gap < 1e-12
-    unused = {"effects": ("push",), "drivers": ("other",), "parameters": ("spare",)}
-    assert report.unused == unused
+    assert report.unused == {"effects": ("push",), "drivers": ("other",), "parameters": ("spare",)}
 
 
 def test_the_position_is_that_of_a_triangle() -> None:

@@ -107,10 +107,7 @@ def test_an_own_class_is_registered_and_defined_anew() -> None:
         ({}, "its kind None must be a few ASCII words"),
         ({"kind": "größe"}, "its kind 'größe' must be a few ASCII words"),
         ({"kind": "tape"}, "has no docstring"),
-        (
-            {"kind": "tape", "__doc__": "A tape."},
-            "lacks name, bodies, problems, potential, forces",
-        ),
+        ({"kind": "tape", "__doc__": "A tape."}, "lacks name, bodies, problems, potential, forces"),
         (
             {"kind": "tape", "__doc__": "A tape.", "statement": None, "name": "", "bodies": ()},
             "lacks problems; a joint or driver answers name, bodies, problems, statement",

@@ -165,10 +165,7 @@ def test_couplers_are_chosen_as_any_fidelity_is() -> None:
     assert (
         (one.bodies, one.fidelity)
         == (other.bodies, other.fidelity)
-        == (
-            ("end",),
-            (("rod", "link"),),
-        )
+        == (("end",), (("rod", "link"),))
     )
 
 

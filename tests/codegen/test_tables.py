@@ -156,16 +156,6 @@ def test_cam_through_points_is_the_curve_they_lie_on() -> None:
     assert_allclose((x / 0.02) ** 2 + (y / 0.03) ** 2, 1, atol=1e-5)
 
 
-def test_points_of_a_curve_that_repeat() -> None:
-    model = Model("cam")
-    cam, pin = model.body("cam"), model.body("pin")
-    model.point_follower(
-        "slot", model.curve_through("oval", cam, [(0, 0), (1, 0), (1, 0), (0, 1)]), pin
-    )
-    with pytest.raises(ModelError, match=r"curve 'oval': points 1 and 2 are both \(1.0, 0.0\)"):
-        valid_scenes(model, None)
-
-
 def test_motion_that_runs_off_its_table_says_so(tmp_path: Path) -> None:
     model = Model("short")
     arm = model.body("arm", mass=1.0, inertia=1.0)
@@ -185,33 +175,6 @@ def tabled(units: tuple[str, str] = ("s", "m")) -> tuple[Model, Any, Any]:
     body = model.body("body", 1.0, 1.0)
     law = model.table("law", [0, 1, 2, 3], [0, 1, 4, 9], units=units)
     return model, body, law
-
-
-@pytest.mark.parametrize(
-    ("at", "told"),
-    [
-        (lambda b: b.x, "abscissae in s, and is called with body_x, in m;"),
-        (lambda b: t - b.phi, "is called with -body_phi . t, in rad;|t - body_phi, in rad"),
-        (lambda b: b.vx, "body_vx, in m/s"),
-        (lambda b: 2 * pint.application_registry.mm, "2 millimeter has the dimension"),
-    ],
-)
-def test_what_a_table_is_called_with_has_its_unit(at: Any, told: str) -> None:
-    _, body, law = tabled()
-    with pytest.raises(ModelError, match=told):
-        law(at(body))
-
-
-@pytest.mark.parametrize("sign", [1, -1])
-def test_what_a_table_stands_for_has_its_unit(sign: int) -> None:
-    model, body, law = tabled()
-    model.driver("push", body.x, sign * law(t))
-    model.force("pull", on=body, fx=sign * law(t))
-    with pytest.raises(ModelError) as caught:
-        valid_scenes(model, None)
-    (problem,) = caught.value.problems
-    assert problem.startswith("fx of force 'pull': ")
-    assert "table 'law' has values in m, but N is needed" in problem
 
 
 @pytest.mark.parametrize("units", [("", ""), ("s", "N")])

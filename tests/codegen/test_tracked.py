@@ -1,8 +1,5 @@
 """Tracked points: they take part where their paths are asked for, and exert nothing."""
 
-import pytest
-
-from codegen import Model, ModelError
 from codegen.derive.equations import derive
 from codegen.lower.lowered_scene import lower
 from codegen.reading.scene_selection import valid_scenes
@@ -23,11 +20,3 @@ def test_points_come_with_their_paths_and_go_with_their_bodies() -> None:
     kernels = {k.name for k in lower(equations).program.kernels}
     assert "reactions" in kernels
     assert not kernels & {"mass", "applied_forces", "powers"}
-
-
-def test_point_of_the_ground_is_refused() -> None:
-    model = Model("still")
-    model.body("body", mass=1.0, inertia=1.0)
-    model.track("peg", model.ground.at(1, 0))
-    with pytest.raises(ModelError, match="'peg' is a point of the ground; give one of a body"):
-        valid_scenes(model, None)

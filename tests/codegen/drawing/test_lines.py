@@ -146,8 +146,7 @@ def test_the_ground_is_hatched_at_a_pin_and_along_a_guide() -> None:
 
 
 @pytest.mark.parametrize(
-    ("radius", "style"),
-    [(0.3, "bracket-support"), (0.035, "bracket-support"), (0.02, "support")],
+    ("radius", "style"), [(0.3, "bracket-support"), (0.035, "bracket-support"), (0.02, "support")]
 )
 def test_a_support_stands_before_a_wheel_that_would_hide_it(radius: float, style: str) -> None:
     drawn = picture(["gear"], [(0, 0, 0)], [
@@ -160,8 +159,7 @@ def test_a_support_stands_before_a_wheel_that_would_hide_it(radius: float, style
 
 
 @pytest.mark.parametrize(
-    ("turn", "styles"),
-    [(0.02, {"rail", "hatch"}), (0.5, {"support", "rail", "hatch", "pin"})],
+    ("turn", "styles"), [(0.02, {"rail", "hatch"}), (0.5, {"support", "rail", "hatch", "pin"})]
 )
 def test_a_spring_that_swings_has_a_support_on_the_ground(turn: float, styles: set[str]) -> None:
     drawn = picture(["block"], [(1.0, 0.0, 0.0)], [("spring", "force", Spring(ORIGIN, BODY))])

@@ -7,16 +7,10 @@ import pytest
 import sympy
 from numpy.testing import assert_allclose
 
-from codegen import Model, ModelError, alpha, t
+from codegen import Model, alpha, t
 from codegen.check.declaration import check_model
 from codegen.reading.scene_selection import valid_scenes
-from tests.codegen.workbench import (
-    A,
-    B,
-    Interpreted,
-    State,
-    python_functions,
-)
+from tests.codegen.workbench import A, B, Interpreted, State, python_functions
 
 TOLERANCE = {"rtol": 1e-12, "atol": 1e-13}
 FACE, AXIS = np.array([0.3, -0.2]), np.array([1.2, 0.5])
@@ -162,31 +156,6 @@ def test_accelerations_solve_the_equations_and_contact_does_no_work(kind: str, s
         assert_allclose(found["torque"], 0, atol=1e-11 * size)
 
 
-def problems(declare: Callable[[Model, object, object], object]) -> str:
-    model, first, second = two_bodies()
-    declare(model, first, second)
-    with pytest.raises(ModelError) as caught:
-        valid_scenes(model, None)
-    return str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("x", "y", "told"),
-    [
-        (alpha, sympy.sin(alpha), "does not close"),
-        (sympy.cos(alpha), sympy.sin(alpha) + alpha * (2 * sympy.pi - alpha) / 10, "a corner"),
-        (sympy.cos(alpha) + sympy.cos(2 * alpha), sympy.sin(alpha), "not convex: at α = 3.142"),
-        (sympy.cos(alpha) ** 3, sympy.sin(alpha) ** 3, "has a cusp: at α = "),
-        (sympy.Integer(1), sympy.Integer(2), "is a point, not a curve"),
-        (sympy.Symbol("r") * sympy.cos(alpha), sympy.sin(alpha), "unknown symbol 'r'"),
-    ],
-)
-def test_shape_that_a_flat_face_cannot_follow(x: sympy.Expr, y: sympy.Expr, told: str) -> None:
-    text = problems(lambda m, i, j: m.cam_flat_follower("lift", i.curve(x, y), j))
-    assert told in text
-    assert "curve of 'lift' on body 'first'" in text
-
-
 @pytest.mark.parametrize("size", [1e200, 1.0, 1e-200])
 def test_convexity_is_judged_at_any_size(size: float) -> None:
     """Numpy's warnings of overflow are errors in the tests."""
@@ -206,19 +175,6 @@ def test_roller_may_follow_a_hollow_cam_and_a_point_an_open_slot() -> None:
     model.cam_follower("roll", hollow, second.circle(0.1))
     model.point_follower("slot", first.curve(alpha, alpha**2), second)
     assert valid_scenes(model, None)
-
-
-@pytest.mark.parametrize("place", [(2.0, sympy.sin(alpha)), (sympy.cos(alpha), 0)])
-def test_a_line_run_through_to_and_fro_is_named_with_its_joint(place: tuple[object, ...]) -> None:
-    text = problems(lambda m, i, j: m.point_follower("slot", i.curve(*place), j))
-    assert "curve of 'slot' on body 'first': the tangent" in text
-    assert "vanishes and turns round" in text
-
-
-def test_what_is_no_curve_is_named() -> None:
-    text = problems(lambda m, i, j: m.cam_follower("roll", i.at(0, 0), 3))
-    assert text.count("'roll'") >= 2
-    assert "is no curve; write body.circle(r)" in text
 
 
 def test_parameters_may_shape_a_cam() -> None:
@@ -241,14 +197,6 @@ def test_coordinate_of_a_joint_can_be_named_in_a_scene_and_a_joint_left_out() ->
     assert held.lowered.description.coordinates[-1] == ("lift.alpha", "lift.alphadot", "rad")
     assert (held.n, held.m, free.n, free.m) == (7, 2, 6, 0)
     assert ("lift", "cam and flat-faced follower") in free.lowered.description.left_out
-
-
-def test_start_value_of_a_joint_that_is_left_out() -> None:
-    def declare(model: Model, first: object, second: object) -> None:
-        lift = model.cam_flat_follower("lift", first.circle(1.0), second)  # type: ignore[attr-defined]
-        model.scene("open", without=[lift], start={lift.alpha: 1.0})
-
-    assert "lift.alpha has a start value, but its joint takes no part" in problems(declare)
 
 
 @pytest.mark.parametrize(("phi", "side"), [(0.0, 1.0), (np.pi, -1.0)])
@@ -320,32 +268,6 @@ def test_place_of_a_contact_may_be_driven() -> None:
     machine = Interpreted(model)
     assert machine.lowered.description.reactions[-1] == ("run", "torque", "N m")
     assert machine.vector("velocity_rhs", machine.state(1))[-1] == 2.0
-
-
-@pytest.mark.parametrize(
-    ("cam", "told"),
-    [
-        (lambda i: i.circle(None), "is missing; give it in m"),
-        (lambda i: i.curve(sympy.sqrt(alpha - 1), sympy.sin(alpha)), "not finite everywhere"),
-        (lambda i: i.curve(sympy.log(alpha), sympy.sin(alpha)), "not finite everywhere"),
-        (lambda i: i.curve(abs(alpha - 1), sympy.sin(alpha)), "not finite everywhere"),
-    ],
-)
-def test_profile_without_a_value_is_named(cam: Callable[[object], object], told: str) -> None:
-    text = problems(lambda m, i, j: m.cam_flat_follower("lift", cam(i), j))
-    assert "curve of 'lift' on body 'first'" in text
-    assert told in text
-
-
-def test_quantity_that_is_no_length_is_named() -> None:
-    import pint
-
-    kilogram = pint.application_registry.kg
-    text = problems(lambda m, i, j: m.cam_follower("roll", i.circle(2 * kilogram), j.circle(1)))
-    assert "curve of 'roll' on body 'first'" in text
-    assert "but m is needed" in text
-    text = problems(lambda m, i, j: m.cam_flat_follower("lift", i.circle(1), j, axis=None))
-    assert "axis of cam and flat-faced follower 'lift': None is not 2 values" in text
 
 
 @pytest.mark.parametrize("size", [1e160, 1e300])

@@ -14,10 +14,9 @@ import pytest
 import sympy
 from numpy.testing import assert_allclose
 
-from codegen import Model, ModelError, t
+from codegen import Model, t
 from codegen.declare.body import Body, Point
 from codegen.elements.registry import kinds_of_elements
-from codegen.reading.scene_selection import valid_scenes
 from tests.codegen.workbench import Interpreted, along, complex_step, library_kinds
 
 EXACT = {"rtol": 1e-10, "atol": 1e-11}
@@ -96,10 +95,7 @@ LAWS: dict[str, tuple[Build, list[tuple[Callable[..., Number], Callable[..., Num
     ),
     "bushing": (
         lambda m, i, j: m.bushing("e", i, j, stiffness=(K, 2 * K, 0), damping=(C, 3 * C, 0)),
-        [
-            (lengthways, lambda s, v: K * s + C * v),
-            (crossways, lambda s, v: 2 * K * s + 3 * C * v),
-        ],
+        [(lengthways, lambda s, v: K * s + C * v), (crossways, lambda s, v: 2 * K * s + 3 * C * v)],
     ),
     "dry friction": (
         lambda m, i, j: m.dry_friction(
@@ -211,27 +207,3 @@ def test_a_potential_that_depends_on_the_time_does_work(declare: Any) -> None:
     assert np.abs(q).max() > 0.1
     assert_allclose(machine.vector("powers", s, lam=[]), [q @ s.v], **EXACT)
     assert machine.vector("potential", s) == 0.0
-
-
-def test_nothing_else_takes_a_place_that_moves() -> None:
-    for declare in (
-        lambda m, i, j: m.revolute("e", i, j),
-        lambda m, i, j: m.distance("e", i, j, 2.0),
-        lambda m, i, j: m.distance_driver("e", i, j, 2.0 + t),
-        lambda m, i, j: m.translational("e", i, j),
-    ):
-        model, i, j, _ = moving_pair("held")
-        declare(model, i, j)
-        with pytest.raises(ModelError, match=r"'e': .*depends on .*are fixed"):
-            valid_scenes(model, None)
-
-
-def test_a_place_or_an_axis_that_cannot_move_is_refused() -> None:
-    model, i, _, j = moving_pair("refused")
-    model.spring("line", i, j.at(j.vx, 0), damping=C)
-    model.dry_friction("brake", i, j, coefficient=0.5, normal=1, axis=(sympy.cos(t), 1))
-    with pytest.raises(ModelError) as error:
-        valid_scenes(model, None)
-    told = str(error.value)
-    assert "point of 'line' on body 'other' depends on the velocity other_vx" in told
-    assert "dry friction 'brake': the axis (cos(t), 1) depends on t" in told

@@ -114,10 +114,7 @@ def test_a_difference_of_products_with_sine_and_cosine_in_both(
     angle, x, y = inputs = [graph.input("q", k, letter) for k, letter in enumerate("axy")]
     ops = (Op.SIN, Op.COS) if sine_first else (Op.COS, Op.SIN)
     made = {op: graph.function(op, angle) for op in ops}
-    pair = [
-        graph.mul(made[Op.SIN], made[Op.COS]),
-        graph.mul(made[Op.COS], graph.mul(x, y)),
-    ]
+    pair = [graph.mul(made[Op.SIN], made[Op.COS]), graph.mul(made[Op.COS], graph.mul(x, y))]
     value = graph.sub(*(pair[::-1] if turned else pair))
     slopes = Slopes(graph, inputs).gradient({value: graph.one})
     kernel = Kernel("f", "", ("q",), store("out", [slopes[k] for k in inputs], [""] * 3))
@@ -125,11 +122,7 @@ def test_a_difference_of_products_with_sine_and_cosine_in_both(
         Program(tuple(graph.values), (kernel,), (), 1e-9), "f", {"q": [0.7, 1.3, -0.4]}, math
     )["out"]
     sign = -1.0 if turned else 1.0
-    exact = (
-        math.cos(1.4) + 1.3 * -0.4 * math.sin(0.7),
-        0.4 * math.cos(0.7),
-        -1.3 * math.cos(0.7),
-    )
+    exact = (math.cos(1.4) + 1.3 * -0.4 * math.sin(0.7), 0.4 * math.cos(0.7), -1.3 * math.cos(0.7))
     assert [found[k] for k in range(3)] == pytest.approx([sign * e for e in exact], rel=1e-14)
 
 
