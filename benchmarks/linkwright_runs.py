@@ -22,7 +22,7 @@ from codegen.reading.model_file import read_model
 from models.hard.andrews import model as squeezer
 from models.hard.n_four_bar import n_four_bar
 from runtime import Machine, load
-from runtime.studies.timing import processor_time
+from runtime.studies.harness import processor_time
 
 FORMULATIONS = ("reduced", "cartesian")
 TOLERANCES = tuple(10.0 ** (-k / 2) for k in range(8, 27))

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from runtime.studies.timing import processor_time, time_to_error
+from runtime.studies.harness import processor_time, time_to_error
 
 Answer = TypeVar("Answer")
 
@@ -73,8 +73,7 @@ def time_to(error: float, points: Sequence[Point]) -> float:
 
     If its loosest setting is better than the error, the time of that setting.
     """
-    milliseconds = time_to_error(reliable(points), error)
-    return math.inf if milliseconds is None else milliseconds
+    return time_to_error(reliable(points), error)
 
 
 def best_time(error: float, points: Sequence[Point]) -> tuple[float, str]:

@@ -11,7 +11,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from runtime.studies.timing import processor
+from runtime.studies.harness import processor
 
 LIBRARIES = ("linkwright", "numba", "numpy", "scipy", "sympy")
 console = Console(width=110, highlight=False)

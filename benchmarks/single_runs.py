@@ -74,7 +74,9 @@ def single_runs(
             elif seconds > longest:
                 break  # no tighter run of this method can be the cheapest
             if run.outcome is Outcome.OK:
-                error = error_of(reference, quantities.of_run(run.q, run.v), quantities)
+                error = error_of(
+                    reference, np.hstack([run.q, run.v])[:, quantities.state_columns], quantities
+                )
                 setting = f"{method}, {formulation}, {rtol:.0e}"
                 found.append(Single(seconds, error, setting, again))
     return found
@@ -85,7 +87,7 @@ def _timed(
 ) -> tuple[float, "Trajectory"]:
     """The processor time of a run in s, and the run."""
     from runtime.progress_bar import silent
-    from runtime.studies.timing import processor_time
+    from runtime.studies.harness import processor_time
 
     run, seconds = processor_time(lambda: ready.run(taken, options, silent))
     return seconds, run

@@ -5,7 +5,6 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterable
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -20,7 +19,7 @@ from linkwright.cli.options import (
     Points,
     Request,
     TEnd,
-    examples,
+    commands,
     option,
     output,
     time,
@@ -33,19 +32,19 @@ if TYPE_CHECKING:
     from runtime.results.result import Result
 
 app = typer.Typer()
-command = partial(app.command, rich_help_panel="Analyse")
+command = commands(app, "Analyse")
 Out = Annotated[
-    Path | None, output("File for the result: .nc, .zarr, .csv, .parquet, .mat or .html.")
+    Path | None, output(..., "File for the result: .nc, .zarr, .csv, .parquet, .mat or .html.")
 ]
-TStart = Annotated[float, time("First instant in s; the start values belong to t = 0.")]
+TStart = Annotated[float, time(..., "First instant in s; the start values belong to t = 0.")]
 _SHOWN = 12  # events, before it says how many more there are
 
 
-@command(epilog=examples("linkwright equilibrium four_bar.py --scene swing"))
+@command("linkwright equilibrium four_bar.py --scene swing")
 @with_request(without=("start",))
 def equilibrium(
-    request: Request, method: Annotated[str, option("energy or settling.")] = "energy",
-    t: Annotated[float, time("Instant at which the drivers stand, in s.")] = 0.0, out: Out = None,
+    request: Request, method: str = option("energy", "energy or settling."),
+    t: float = time(0.0, "Instant at which the drivers stand, in s."), out: Out = None,
 ) -> None:  # fmt: skip
     """Where it rests: the position of equilibrium, and whether it is stable."""
     _carry_out(
@@ -53,72 +52,58 @@ def equilibrium(
     )
 
 
-@command(
-    epilog=examples("linkwright kinematics four_bar.py --scene driven --t-end 1 --out motion.csv")
-)
+@command("linkwright kinematics four_bar.py --scene driven --t-end 1 --out motion.csv")
 @with_request()
 def kinematics(
     request: Request, t_end: TEnd, t_start: TStart = 0.0, points: Points = None, out: Out = None
 ) -> None:
     """How it must move: the motion that drivers prescribe, one for every degree of freedom."""
-
-    def analyse(machine: "Machine") -> "Result":
-        return machine.kinematics(**_prescribed(request, machine, t_start, t_end, points))
-
-    _carry_out(request, out, analyse)
+    _carry_out(request, out, lambda machine: machine.kinematics(**_prescribed(request, machine)))
 
 
-@command("inverse-dynamics", epilog=examples(
-    "linkwright inverse-dynamics four_bar.py --scene driven --t-end 1"))  # fmt: skip
-@command("inverse", epilog=examples(
-    "linkwright inverse four_bar.py --scene driven --t-end 1 --out torque.csv"))  # fmt: skip
+@command(
+    "linkwright inverse-dynamics four_bar.py --scene driven --t-end 1",
+    name="inverse-dynamics",
+)
+@command("linkwright inverse four_bar.py --scene driven --t-end 1 --out torque.csv", name="inverse")
 @with_request()
 def inverse(
     request: Request, t_end: TEnd, t_start: TStart = 0.0, points: Points = None, out: Out = None
 ) -> None:
     """What it takes to move it so: inverse dynamics, the forces of the prescribed motion."""
-
-    def analyse(machine: "Machine") -> "Result":
-        return machine.inverse_dynamics(**_prescribed(request, machine, t_start, t_end, points))
-
-    _carry_out(request, out, analyse)
+    _carry_out(
+        request, out, lambda machine: machine.inverse_dynamics(**_prescribed(request, machine))
+    )
 
 
 @command(
-    epilog=examples(
-        "linkwright simulate four_bar.py --t-end 5 --out run.nc",
-        "linkwright simulate four_bar.py --t-end 5 --set AB=0.08 --json",
-        "linkwright simulate four_bar.py --t-end 5 --accuracy 1e-6",
-    )
+    "linkwright simulate four_bar.py --t-end 5 --out run.nc",
+    "linkwright simulate four_bar.py --t-end 5 --set AB=0.08 --json",
+    "linkwright simulate four_bar.py --t-end 5 --accuracy 1e-6",
 )
 @with_request(simulates=True)
 def simulate(
     request: Request, t_end: TEnd, t_start: MotionStart = 0.0, points: Points = None,
     out: Out = None,
-    stream: Annotated[
-        bool,
-        output("Write --out, a .zarr that is not there, in chunks while the run goes on.",
-               "--stream/--no-stream"),
-    ] = False,
+    stream: bool = output(
+        False, "Write --out, a .zarr that is not there, in chunks while the run goes on.",
+        "--stream/--no-stream"
+    ),
 ) -> None:  # fmt: skip
     """How it will move: the motion under the forces that act on it."""
     if stream and out is None:
         raise InputError("--stream: name the store, --out run.zarr.")
+    store = out if stream else None
+    _carry_out(
+        request, out, lambda machine: machine.simulate(**_motion(request, machine), out=store),
+        stream=stream,
+    )  # fmt: skip
 
-    def analyse(machine: "Machine") -> "Result":
-        words = _with_instants(request.words(machine), points)
-        return machine.simulate(t_end, t_start=t_start, **words, out=out if stream else None)
 
-    _carry_out(request, out, analyse, stream=stream)
-
-
-@app.command(
-    rich_help_panel="Show",
-    epilog=examples("linkwright report four_bar.py --t-end 5 --out run.html"),
-)
+@commands(app, "Show")("linkwright report four_bar.py --t-end 5 --out run.html")
 @with_request(simulates=True)
 def report(
-    request: Request, out: Annotated[Path, output("The page to write, .html.")],
+    request: Request, out: Path = output(..., "The page to write, .html."),
     t_end: TEnd = 1.0, t_start: MotionStart = 0.0, points: Points = None,
 ) -> None:  # fmt: skip
     """Write a page about a run: a simulation, or the driven motion where no freedom is left."""
@@ -127,37 +112,33 @@ def report(
 
     def analyse(machine: "Machine") -> "Result":
         if not (machine.description.drivers and machine.is_determined):
-            words = _with_instants(request.words(machine), points)
-            return machine.simulate(t_end, t_start=t_start, **words)
+            return machine.simulate(**_motion(request, machine))
         request.refuse_run_options(machine.description.title)
         has_masses = machine.description.has_masses
         driven = machine.inverse_dynamics if has_masses else machine.kinematics
-        return driven(**_prescribed(replace(request, run={}), machine, t_start, t_end, points))
+        return driven(**_prescribed(replace(request, run={}), machine))
 
     _carry_out(request, out, analyse)
 
 
-def _with_instants(words: dict[str, Any], points: int | None) -> dict[str, Any]:
-    """With the output instants: as many as an option or a case says, or those of the case."""
-    listed = words.pop("t_eval", None)
-    return {**words, "t_eval": points or (501 if listed is None else listed)}
+def _motion(request: Request, machine: "Machine") -> dict[str, Any]:
+    """The words of a motion; as many instants as an option or a case says, or those of the case."""
+    own, words = request.own, request.words(machine)
+    instants = own.get("points") or words.pop("t_eval", 501)
+    return {**words, "t_end": own["t_end"], "t_start": own["t_start"], "t_eval": instants}
 
 
-def _prescribed(
-    request: Request, machine: "Machine", t_start: float, t_end: float, points: int | None
-) -> dict[str, Any]:
+def _prescribed(request: Request, machine: "Machine") -> dict[str, Any]:
     """The words of a prescribed motion; the start values of a case belong to its first instant."""
-    words = _with_instants(request.words(machine), points)
+    words = _motion(request, machine)
     if request.case is not None:
-        return {"t_end": t_end, "t_start": t_start, **words}
-    if not (math.isfinite(t_start) and math.isfinite(t_end) and t_end > t_start):
-        raise InputError(
-            f"The time span from {t_start:g} to {t_end:g} s must be finite and positive."
-        )
+        return words
+    first, last, count = (words.pop(name) for name in ("t_start", "t_end", "t_eval"))
+    if not (math.isfinite(first) and math.isfinite(last) and last > first):
+        raise InputError(f"The time span from {first:g} to {last:g} s must be finite and positive.")
     import numpy as np
 
-    count = words.pop("t_eval")
-    return {**words, "t_end": np.linspace(t_start, t_end, count)}
+    return {**words, "t_end": np.linspace(first, last, count)}
 
 
 def _carry_out(
@@ -175,7 +156,11 @@ def _carry_out(
     saved = out if stream or out is None else save(result, out)
     failed = result.failed or saved != out
     error = [] if result.accuracy is None else result.accuracy.sentences()[1:]
-    for line in (result.headline, *(f"  {sentence}" for sentence in error), *_event_lines(result)):
+    lines = [f"  t = {event.time:<14.9g} {event.text}" for event in result.events]
+    if len(lines) > _SHOWN:
+        half = _SHOWN // 2
+        lines[half:-half] = [f"  … {len(lines) - 2 * half} more events …"]
+    for line in (result.headline, *(f"  {sentence}" for sentence in error), *lines):
         write_line(line)
     if saved is not None:
         count = len(result.t)
@@ -212,41 +197,31 @@ def summary(result: "Result", saved: Path | None) -> dict[str, Any]:
 
     about, some = result.description, len(result.t) > 0
 
-    def last(names: Iterable[str], series: Callable[[str], Any]) -> dict[str, Any]:
-        return {name: plain(series(name)[-1]) for name in names} if some else {}
+    def last(names: Iterable[str]) -> dict[str, Any]:
+        return {name: plain(result.series(name)[0][-1]) for name in names} if some else {}
 
+    events = [
+        {"t": e.time, "name": e.name, "element": e.element, "what": e.what, "word": e.word}
+        for e in result.events
+    ]
     return {
         "ok": not result.failed,
         **result.facts(),
         "instants": len(result.t),
         "t": [float(result.t[0]), float(result.t[-1])] if some else [],
-        "q": last([row.name for row in about.positions], result.q),
-        "v": last([row.velocity for row in about.positions], result.v),
-        **({"y": last(about.states.names, result.y)} if about.states else {}),
-        "events": [
-            {"t": e.time, "name": e.name, "element": e.element, "what": e.what, "word": e.word}
-            for e in result.events
-        ],
+        "q": last(row.name for row in about.positions),
+        "v": last(row.velocity for row in about.positions),
+        **({"y": last(about.states.names)} if about.states else {}),
+        "events": events,
         "saved": None if saved is None else str(saved),
     }
 
 
-def _event_lines(result: "Result") -> list[str]:
-    """The events, a line each; of many, the first and the last ones."""
-    lines = [f"  t = {e.time:<14.9g} {e.text}" for e in result.events]
-    if len(lines) <= _SHOWN:
-        return lines
-    half = _SHOWN // 2
-    return [*lines[:half], f"  … {len(lines) - 2 * half} more events …", *lines[-half:]]
-
-
 def _print_ends(result: "Result") -> None:
     """The last values of all coordinates and states, a line each."""
-    import numpy as np
-
     about = result.description
     names = [*(row.name for row in about.positions), *about.states.names]
     columns = [result.series(name) for name in names]
-    ends = without_rounding(np.array([values[-1] for values, _ in columns]))
+    ends = without_rounding(values[-1] for values, _ in columns)
     for name, value, (_, unit) in zip(names, ends, columns, strict=True):
         sys.stdout.write(f"{name:<{max(map(len, names))}}  {value: .9g} {unit}\n")

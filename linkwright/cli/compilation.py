@@ -2,9 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import typer
 
@@ -18,18 +17,18 @@ from linkwright.cli.options import (
     ModelFile,
     ModelFiles,
     Values,
-    examples,
+    commands,
     option,
     output,
     parameters,
     study,
 )
 from linkwright.cli.output import (
-    console,
-    escaped,
+    bold,
     print_json,
     print_rows,
     progress_shown,
+    write_error,
     write_line,
 )
 
@@ -37,52 +36,43 @@ if TYPE_CHECKING:
     from codegen.generated_files.generated_file import BuildReport
 
 app = typer.Typer()
-command = partial(app.command, rich_help_panel="Compile")
+command = commands(app, "Compile")
 
 
 def name_stale(stale: Sequence[Path], reason: str, command: str) -> None:
     """Name the stale files and the command that brings them up to date."""
     for path in stale:
-        console(stderr=True).print(
-            f"[bold red]stale:[/] {escaped(path)} {reason}; run: linkwright {escaped(command)}"
-        )
+        write_error(f"{path} {reason}; run: linkwright {command}", "stale:")
 
 
 def refuse_stale(stale: Sequence[Path], reason: str, command: str) -> None:
-    """Name the stale files as `name_stale` does; exit status 1 if there are any."""
+    """Name the stale files; exit status 1 if there are any."""
     name_stale(stale, reason, command)
     if stale:
         raise typer.Exit(1)
 
 
 @command(
-    epilog=examples(
-        "linkwright build four_bar.py",
-        "linkwright build four_bar.py --scene swing --tangents",
-        "linkwright build four_bar.py slider_crank.py --check",
-    )
+    "linkwright build four_bar.py",
+    "linkwright build four_bar.py --scene swing --tangents",
+    "linkwright build four_bar.py slider_crank.py --check",
 )
 def build(
     model: ModelFiles, scene: AnyScene = None, settings: Values = None,
-    out: Annotated[
-        Path | None, output("Folder for the generated files.")
-    ] = None,
-    tangents: Annotated[
-        bool,
-        output("Also the exact derivatives that radau5, bdf and auto need, in files of their own; "
-               "without this option only existing ones are updated.", "--tangents"),
-    ] = False,
-    reduced: Annotated[
-        bool,
-        output("Also the equations in reduced coordinates for simulate --formulation reduced, in "
-               "files of their own; without this option only existing ones are updated.",
-               "--reduced"),
-    ] = False,
-    unroll: Annotated[
-        Literal["auto", "always", "never"],
-        output("Write kernels out, operation by operation: always; never, loops over tables "
-               "where something repeats; auto, loops in long kernels.", metavar="WHEN"),
-    ] = "auto",
+    out: Path | None = output(None, "Folder for the generated files."),
+    tangents: bool = output(
+        False, "Also the exact derivatives that radau5, bdf and auto need, in files of their own; "
+        "without this option only existing ones are updated.", "--tangents"
+    ),
+    reduced: bool = output(
+        False,
+        "Also the equations in reduced coordinates for simulate --formulation reduced, in files "
+        "of their own; without this option only existing ones are updated.", "--reduced"
+    ),
+    unroll: Literal["auto", "always", "never"] = output(
+        "auto", "Write kernels out, operation by operation: always; never, loops over tables where "
+        "something repeats; auto, loops in long kernels.", metavar="WHEN"
+    ),
     check: Check = False, as_json: Json = False,
 ) -> None:  # fmt: skip
     """Compile the scenes of a model, or of several: derive, lower, emit and compile kernels."""
@@ -90,9 +80,8 @@ def build(
 
     options = f"{f' --out {out}' if out else ''}{' --tangents' * tangents}{' --reduced' * reduced}"
     options += f" --unroll {unroll}" * (unroll != "auto")
-    values = parameters(settings)
-    reports: list[BuildReport] = []
-    problems = list[str]()
+    values, problems = parameters(settings), list[str]()
+    scenes, stale = list[dict[str, Any]](), list[Path]()
     for one in model:
         try:
             with progress_shown() as progress:
@@ -105,15 +94,14 @@ def build(
                 error.locate(str(one))
             problems += error.problems
             continue
-        reports.append(report)
+        scenes += map(asdict, report.scenes)
+        stale += report.stale
         if not as_json:
             _print_build(report, check)
         name_stale(report.stale, "is missing or out of date", f"build {one}{options}")
     if problems:
         raise InputError(problems)
-    stale = [path for report in reports for path in report.stale]
     if as_json:
-        scenes = [asdict(scene) for report in reports for scene in report.scenes]
         print_json({"scenes": scenes, "stale": stale})
     if stale:
         raise typer.Exit(1)
@@ -127,14 +115,15 @@ def _print_build(report: "BuildReport", check: bool) -> None:
         return ", ".join(f"{name} {count}" for name, count in counts.items())
 
     for s in report.scenes:
-        console().print(f"[bold]{s.model}[/], scene [bold]{s.scene}[/]: {state(s)}")
-        unknowns = (
-            f"{quantity(s.coordinates, 'coordinate')}, {quantity(s.constraints, 'constraint')}"
-        )
+        typer.echo(f"{bold(s.model)}, scene {bold(s.scene)}: {state(s)}")
+        numbers = {
+            "coordinate": s.coordinates, "constraint": s.constraints,
+            "degree of freedom": s.degrees_of_freedom,
+        }  # fmt: skip
         rows = [
             ("file", str(s.path)),
             ("bodies", ", ".join(s.bodies)),
-            ("equations", f"{unknowns}, {quantity(s.degrees_of_freedom, 'degree of freedom')}"),
+            ("equations", ", ".join(quantity(count, noun) for noun, count in numbers.items())),
             *([("states", ", ".join(s.states))] if s.states else []),
             ("effects", ", ".join(s.effects) or "none"),
             ("left out", ", ".join(s.left_out) or "nothing"),
@@ -149,32 +138,24 @@ def _print_build(report: "BuildReport", check: bool) -> None:
         print_rows([*rows, *(("note", note) for note in s.notes)])
 
 
-@command(
-    epilog=examples(
-        "linkwright explain four_bar.py",
-        "linkwright explain four_bar.py --scene swing --run 1",
-    )
-)
+@command("linkwright explain four_bar.py", "linkwright explain four_bar.py --scene swing --run 1")
 def explain(
-    model: ModelFile, scene: AnyScene = None, compare: Annotated[
-        tuple[str, str] | None, option("Two scenes side by side.", panel="Machine", metavar="A B",
-                                       autocompletion=completion.scenes),
-    ] = None,
-    measure: Annotated[
-        bool | None,
-        study("Compile the parts of accelerations and time them, some seconds a scene; the "
-              "default for one scene or a comparison."),
-    ] = None,
-    run: Annotated[
-        float | None,
-        study("Also run the scene for this many seconds; its time is shared among the parts."),
-    ] = None,
-    kernels: Annotated[
-        bool, output("Also the operations of every kernel, a wide table.", "--kernels")
-    ] = False,
-    out: Annotated[
-        Path | None, output("A picture, .png or .svg, or a page, .html.")
-    ] = None,
+    model: ModelFile, scene: AnyScene = None, compare: tuple[str, str] | None = option(
+        None, "Two scenes side by side.",
+        panel="Machine", metavar="A B", autocompletion=completion.scenes
+    ),
+    measure: bool | None = study(
+        None,
+        "Compile the parts of accelerations and time them, some seconds a scene; the default for "
+        "one scene or a comparison."
+    ),
+    run: float | None = study(
+        None, "Also run the scene for this many seconds; its time is shared among the parts."
+    ),
+    kernels: bool = output(
+        False, "Also the operations of every kernel, a wide table.", "--kernels"
+    ),
+    out: Path | None = output(None, "A picture, .png or .svg, or a page, .html."),
     as_json: Json = False,
 ) -> None:  # fmt: skip
     """Explain a scene: the parts compiled into it or left out, why, and the cost of each."""
@@ -206,13 +187,12 @@ def explain(
         write_line(f"saved {write(ledgers, out)}")
 
 
-@command(epilog=examples("linkwright precompile", "linkwright precompile dop853 radau5"))
+@command("linkwright precompile", "linkwright precompile dop853 radau5")
 def precompile(
-    methods: Annotated[
-        list[str] | None,
-        typer.Argument(help="Integration methods; all unless given.", metavar="METHOD",
-                       autocompletion=completion.methods),
-    ] = None,
+    methods: list[str] | None = typer.Argument(
+        None, help="Integration methods; all unless given.", metavar="METHOD",
+        autocompletion=completion.methods,
+    ),
 ) -> None:  # fmt: skip
     """Compile the runtime ahead of the first run, in several processes: a line for each part."""
     from runtime.precompile import precompile as compile_ahead
@@ -220,9 +200,9 @@ def precompile(
     compile_ahead(*(methods or ()), told=typer.echo)
 
 
-@command(epilog=examples("linkwright methods --check"))
+@command("linkwright methods --check")
 def methods(
-    out: Annotated[Path | None, output("Folder; the runtime's own by default.")] = None,
+    out: Path | None = output(None, "Folder; the runtime's own by default."),
     check: Check = False,
 ) -> None:
     """Write the explicit integration methods of the runtime from their tableaus."""
@@ -231,6 +211,4 @@ def methods(
     written, stale = write_methods(out, check=check)
     if check:
         refuse_stale(stale, "is missing, or not what its tableau gives", "methods")
-    console().print(
-        f"{len(written)} methods in {escaped(written[0].parent)}, {len(stale)} of them written"
-    )
+    typer.echo(f"{len(written)} methods in {written[0].parent}, {len(stale)} of them written")

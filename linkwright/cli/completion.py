@@ -4,13 +4,15 @@ Names come from the text of the model file that stands on the line, without exec
 """
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from contextlib import suppress
 from pathlib import Path
 
 import typer
 
-from codegen.files.library_folders import LIBRARY, model_names, models_folder
-from linkwright.cli.model_listing import ModelText, find_model_text
+from codegen.errors import ModelFileError
+from codegen.files.library_folders import LIBRARY, find_model_file, model_names, models_folder
+from linkwright.cli.model_listing import ModelText, read_model_text
 from runtime.integrate.method import METHODS
 
 MODELS_TO_START_FROM = ("four-bar", "slider-crank", "pendulum", "cam-follower")
@@ -32,29 +34,28 @@ def models(incomplete: str) -> list[str]:
     return [name for name in dict.fromkeys(found) if name.startswith(incomplete)]
 
 
+def _of_model(names: Callable[[ModelText], Iterable[str]]) -> Callable[..., list[str]]:
+    """A completion by names of the model on the line, behind a ``max:`` that is typed."""
+
+    def complete(ctx: typer.Context, incomplete: str) -> list[str]:
+        prefix, colon, rest = incomplete.rpartition(":")
+        found = (name for name in names(_model(ctx)) if name.startswith(rest))
+        return [f"{prefix}{colon}{name}" for name in found]
+
+    return complete
+
+
 def scenes(ctx: typer.Context, incomplete: str) -> list[tuple[str, str]]:
     """Scenes of the model on the line, with their descriptions."""
     found = _model(ctx).scenes.items()
     return [(name, line) for name, line in found if name.startswith(incomplete)]
 
 
-def settings(ctx: typer.Context, incomplete: str) -> list[str]:
-    """Parameters of the model on the line, each with the = that follows."""
-    return [f"{name}=" for name in _model(ctx).parameters if name.startswith(incomplete)]
-
-
-def coordinates(ctx: typer.Context, incomplete: str) -> list[str]:
-    """Coordinates of the bodies of the model on the line, each with the = that follows."""
-    return [f"{name}=" for name in _model(ctx).coordinates if name.startswith(incomplete)]
-
-
-def quantities(ctx: typer.Context, incomplete: str) -> list[str]:
-    """Series of the model on the line: coordinates, and components of reactions."""
-    text = _model(ctx)
-    reactions = (f"{name}.{axis}" for name in text.elements for axis in ("fx", "fy", "torque"))
-    prefix, colon, rest = incomplete.rpartition(":")
-    series = (*text.coordinates, *reactions)
-    return [f"{prefix}{colon}{one}" for one in series if one.startswith(rest)]
+settings = _of_model(lambda text: (f"{name}=" for name in text.parameters))
+coordinates = _of_model(lambda text: (f"{name}=" for name in text.coordinates))
+quantities = _of_model(lambda text: [
+    *text.coordinates, *(f"{name}.{x}" for name in text.elements for x in ("fx", "fy", "torque"))
+])  # fmt: skip
 
 
 def one_of(*names: str) -> Callable[[str], list[str]]:
@@ -85,5 +86,9 @@ def _model(ctx: typer.Context) -> ModelText:
     words = [str(w) for w in (*((given,) if isinstance(given, str) else given), *ctx.args) if w]
     local = model_names(Path.cwd())
     words += [f"{local[0]}.py"] if len(local) == 1 else []
-    texts = (find_model_text(word) for word in words if not word.startswith("-"))
-    return next((text for text in texts if text), ModelText(Path()))
+    for word in words:
+        with suppress(ModelFileError):
+            text = None if word.startswith("-") else read_model_text(find_model_file(word))
+            if text is not None:
+                return text
+    return ModelText(Path())

@@ -1,8 +1,7 @@
 """Commands about declarations: new, list, elements, check, draw."""
 
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -19,15 +18,15 @@ from linkwright.cli.options import (
     ModelFile,
     Scene,
     Values,
-    examples,
+    commands,
+    option,
     output,
     parameters,
     picture,
     time,
 )
 from linkwright.cli.output import (
-    console,
-    escaped,
+    bold,
     print_json,
     print_rows,
     progress_shown,
@@ -39,22 +38,19 @@ if TYPE_CHECKING:
     from codegen.explain.declaration_report import DeclarationReport, SceneFacts
 
 app = typer.Typer()
-command = partial(app.command, rich_help_panel="Declare")
+command = commands(app, "Declare")
 KINDS = completion.MODELS_TO_START_FROM
 _MOVED = 3  # layout: coordinates that are listed
 _SINGULAR = {"bodies": "body", "parameters": "parameter"}
 
 
-@command(epilog=examples("linkwright new four_bar", "linkwright new press --kind slider-crank"))
+@command("linkwright new four_bar", "linkwright new press --kind slider-crank")
 def new(
-    name: Annotated[
-        str, typer.Argument(help="Name of the model and its file NAME.py.", metavar="NAME")
-    ],
-    kind: Annotated[
-        str,
-        typer.Option(help=f"Machine to start from: {', '.join(KINDS)}.", metavar="KIND",
-                     autocompletion=completion.models_to_start_from),
-    ] = "four-bar",
+    name: str = typer.Argument(help="Name of the model and its file NAME.py.", metavar="NAME"),
+    kind: str = option(
+        "four-bar", f"Machine to start from: {', '.join(KINDS)}.", metavar="KIND",
+        autocompletion=completion.models_to_start_from,
+    ),
 ) -> None:  # fmt: skip
     """Write a commented model to start from into the working folder; it overwrites nothing."""
     stem, kind = name.removesuffix(".py"), kind.replace("_", "-")
@@ -75,11 +71,9 @@ def new(
     except OSError as error:
         raise GeneratedFileError(f"{path} cannot be written: {error.strerror or error}.") from error
     typer.echo(f"{path}: a {kind} to start from. Next:")
-    lines = [line.strip() for line in text.splitlines() if line.startswith("    linkwright ")]
-    commands = [line.partition("  ") for line in lines]
-    widest = max(len(one) for one, _, _ in commands)
-    for one, _, question in commands:
-        typer.echo(f"  {one:<{widest}}  {question.strip()}")
+    for line in text.splitlines():
+        if line.startswith("    linkwright "):
+            typer.echo(line[2:])
 
 
 def template(kind: str) -> str:
@@ -88,14 +82,11 @@ def template(kind: str) -> str:
     return path.read_text(encoding="utf-8")
 
 
-@command("list", epilog=examples("linkwright list", "linkwright list ."))
+@command("linkwright list", "linkwright list .", name="list")
 def list_models(
-    folder: Annotated[
-        Path | None,
-        typer.Argument(
-            help="A folder of model files; without it this folder, its models/ and the library.",
-        ),
-    ] = None,
+    folder: Path | None = typer.Argument(
+        None, help="A folder of model files; without it this folder, its models/ and the library."
+    ),
     as_json: Json = False,
 ) -> None:
     """List models and their scenes, a line each from their docstrings."""
@@ -109,31 +100,21 @@ def list_models(
 
 
 @command(
-    epilog=examples(
-        "linkwright elements",
-        "linkwright elements revolute",
-        "linkwright elements one-way-clutch",
-    )
+    "linkwright elements",
+    "linkwright elements revolute",
+    "linkwright elements one-way-clutch",
 )
 def elements(
-    kind: Annotated[
-        list[str] | None,
-        typer.Argument(
-            help="A kind of element, with spaces, hyphens or underscores between its words; "
-            "without it, all are listed.",
-            metavar="KIND",
-            autocompletion=completion.kinds,
-        ),
-    ] = None,
-    model: Annotated[
-        str | None,
-        typer.Option(help="A model file with your own elements.", metavar="MODEL",
-                     autocompletion=completion.models),
-    ] = None,
-    out: Annotated[
-        Path | None,
-        output("Folder to write the pages into, as docs/elements."),
-    ] = None,
+    kind: list[str] | None = typer.Argument(
+        None, metavar="KIND", autocompletion=completion.kinds,
+        help="A kind of element, with spaces, hyphens or underscores between its words; without "
+        "it, all are listed.",
+    ),
+    model: str | None = option(
+        None, "A model file with your own elements.", metavar="MODEL",
+        autocompletion=completion.models,
+    ),
+    out: Path | None = output(None, "Folder to write the pages into, as docs/elements."),
     check: Check = False,
 ) -> None:  # fmt: skip
     """List joints, drivers and forces, show the page of one, or write all pages as files."""
@@ -149,29 +130,23 @@ def elements(
             reason = "is missing, out of date, or of no kind"
             refuse_stale(written.stale, reason, f"elements --out {folder}")
         changed = len(written.stale)
-        console().print(
-            f"{len(written.paths)} pages in {escaped(folder)}, {changed} of them written"
-        )
+        typer.echo(f"{len(written.paths)} pages in {folder}, {changed} of them written")
     elif only is not None:
         typer.echo(page(only, declared), nl=False)
     else:
         from rich.console import Console
         from rich.table import Table
+        from rich.text import Text
 
         from codegen.explain.terminal_table import PAPER
 
         table = Table("kind", "role", "summary")
         for name, registered in chosen_kinds(declared).items():
-            table.add_row(name, registered.role, escaped(registered.summary))
+            table.add_row(name, registered.role, Text(registered.summary))
         Console(width=PAPER, highlight=False).print(table)
 
 
-@command(
-    epilog=examples(
-        "linkwright check four_bar.py",
-        "linkwright check four_bar.py --scene driven --json",
-    )
-)
+@command("linkwright check four_bar.py", "linkwright check four_bar.py --scene driven --json")
 def check(
     model: ModelFile, scene: AnyScene = None, settings: Values = None, as_json: Json = False
 ) -> None:
@@ -199,38 +174,34 @@ def _show_declaration(report: "DeclarationReport", model: str) -> None:
     """Print the facts of the sound scenes, and what no scene uses."""
     for scene in report.scenes:
         if not scene.problem:
-            title = f"[bold]{escaped(report.model)}[/], scene [bold]{escaped(scene.scene)}[/]"
-            console().print(f"{title}: sound")
+            typer.echo(f"{bold(report.model)}, scene {bold(scene.scene)}: sound")
             print_rows(_rows(scene))
     for kind, names in report.unused.items():
         word = kind if len(names) > 1 else _SINGULAR.get(kind, kind.removesuffix("s"))
-        console().print(f"No scene uses {word} {escaped(', '.join(names))}.")
+        typer.echo(f"No scene uses {word} {', '.join(names)}.")
     if not report.problems and report.scenes:
-        console().print(f"Next: linkwright {escaped(_next_command(report.scenes[0], model))}")
+        typer.echo(f"Next: linkwright {_next_command(report.scenes[0], model)}")
 
 
 def _rows(scene: "SceneFacts") -> list[tuple[str, str]]:
     """Titles and texts of a scene."""
     numbers = {
-        "coordinate": scene.coordinates,
-        "constraint": scene.constraints,
+        "coordinate": scene.coordinates, "constraint": scene.constraints,
         "degree of freedom": scene.degrees_of_freedom,
-    }
+    }  # fmt: skip
     counts = ", ".join(quantity(count, noun) for noun, count in numbers.items())
-    found = [
-        ("bodies", ", ".join(scene.bodies)),
-        ("equations", f"{counts}; {'some redundant' if scene.notes else 'none redundant'}"),
-        ("assembly", _assembly(scene)),
-    ]
-    if scene.one_joint and scene.degrees_of_freedom:
-        ends = ", ".join(f"{body} ({joint})" for body, joint in scene.one_joint.items())
-        found.append(("one joint", ends))
-    left_out = [", ".join(scene.left_out)] if scene.left_out else []
-    if unused := scene.unused_parameters:
-        left_out.append(f"parameter{'s' * (len(unused) > 1)} {', '.join(unused)}")
-    if left_out:
-        found.append(("left out", "; ".join(left_out)))
-    return [*found, *(("note", note) for note in scene.notes)]
+    ends = [f"{body} ({joint})" for body, joint in scene.one_joint.items()]
+    unused, left_out = scene.unused_parameters, [*scene.left_out]
+    parameters = [f"parameter{'s' * (len(unused) > 1)} {', '.join(unused)}"] if unused else []
+    found = {
+        "bodies": ", ".join(scene.bodies),
+        "equations": f"{counts}; {'some redundant' if scene.notes else 'none redundant'}",
+        "assembly": _assembly(scene),
+        "one joint": ", ".join(ends) if scene.degrees_of_freedom else "",
+        "left out": "; ".join([*([", ".join(left_out)] if left_out else []), *parameters]),
+    }
+    rows = [(title, text) for title, text in found.items() if text or title == "bodies"]
+    return [*rows, *(("note", note) for note in scene.notes)]
 
 
 def _assembly(scene: "SceneFacts") -> str:
@@ -252,40 +223,35 @@ def _next_command(scene: "SceneFacts", model: str) -> str:
     """The command that fits a scene."""
     if scene.analysis == "equilibrium":
         return f"equilibrium {model} --scene {scene.scene}"
-    command = "simulate"
-    if scene.analysis == "kinematics":
-        command = "kinematics"
-    elif scene.drivers and not scene.degrees_of_freedom:
-        command = "inverse"
+    command = "inverse" if scene.drivers and not scene.degrees_of_freedom else "simulate"
+    command = "kinematics" if scene.analysis == "kinematics" else command
     return f"{command} {model} --scene {scene.scene} --t-end 1"
 
 
 @command(
-    epilog=examples(
-        "linkwright draw four_bar.py --out four_bar.png",
-        "linkwright draw four_bar.py --scene driven --t 0.25 --forces --out quarter.svg",
-    )
+    "linkwright draw four_bar.py --out four_bar.png",
+    "linkwright draw four_bar.py --scene driven --t 0.25 --forces --out quarter.svg",
 )
 def draw(
     model: ModelFile,
-    out: Annotated[Path, output("The picture to write: .png, .svg or .pdf.")],
+    out: Path = output(..., "The picture to write: .png, .svg or .pdf."),
     scene: Scene = None,
-    t: Annotated[
-        float | None,
-        time("Instant in s at which the machine is assembled; unless given, its start is drawn, "
-             "and nothing is compiled."),
-    ] = None,
+    t: float | None = time(
+        None,
+        "Instant in s at which the machine is assembled; unless given, its start is drawn, and "
+        "nothing is compiled."
+    ),
     settings: Values = None,
     generated: Generated = None,
-    dimensions: Annotated[
-        bool, picture("Also distances between the points of a body, m.", "--dimensions")
-    ] = False,
-    forces: Annotated[bool, picture("Also the applied forces, to scale.", "--forces")] = False,
-    frames: Annotated[bool, picture("Also frames and centres of mass.", "--frames")] = False,
-    names: Annotated[bool, picture("Names of bodies and joints, or none.")] = True,
-    guesses: Annotated[
-        bool, picture("Bodies at their guesses, and how far each joint is open.", "--guesses")
-    ] = False,
+    dimensions: bool = picture(
+        False, "Also distances between the points of a body, m.", "--dimensions"
+    ),
+    forces: bool = picture(False, "Also the applied forces, to scale.", "--forces"),
+    frames: bool = picture(False, "Also frames and centres of mass.", "--frames"),
+    names: bool = picture(True, "Names of bodies and joints, or none."),
+    guesses: bool = picture(
+        False, "Bodies at their guesses, and how far each joint is open.", "--guesses"
+    ),
     as_json: Json = False,
 ) -> None:  # fmt: skip
     """Draw a machine as it is declared, at its start or at an instant, into a file."""

@@ -4,15 +4,15 @@ A case file may stand in place of MODEL: its values hold where no option gives a
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from functools import partial, wraps
 from inspect import Parameter, signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
-from codegen.errors import InputError, ParameterError
+from codegen.errors import InputError
 from codegen.files.library_folders import model_names
 from codegen.readers.quantities import read_condition
 from linkwright.cli import completion
@@ -23,8 +23,11 @@ if TYPE_CHECKING:
     from runtime.cases.case import Case
     from runtime.machine_facade import Machine
 
+Command = TypeVar("Command", bound=Callable[..., None])
 _CASES = (".yaml", ".yml", ".json")
-_OTHER_MEANING = {"accuracy": {"method", "formulation", "points"}, "matters": {"points"}}
+_OTHER_MEANING = {
+    "accuracy": {"points", "quantities"}, "matters": {"points"}, "sweep": {"quantities"}
+}  # fmt: skip
 """Options of a study that are no word of a run, though they have its name."""
 
 
@@ -37,9 +40,16 @@ def examples(*lines: str) -> str:
     return "\n\n".join(("Examples:", *lines))
 
 
-def option(text: str, *names: str, panel: str | None = None, **more: Any) -> Any:
+def commands(app: typer.Typer, panel: str) -> Callable[..., Callable[[Command], Command]]:
+    """A decorator of commands in a panel of the help, by the examples that stand below theirs."""
+    return lambda *lines, name=None: app.command(
+        name, epilog=examples(*lines), rich_help_panel=panel
+    )
+
+
+def option(default: Any, text: str, *names: str, panel: str | None = None, **more: Any) -> Any:
     """An option of a command, with its help and the panel of the help where it stands."""
-    return typer.Option(*names, help=text, rich_help_panel=panel, **more)
+    return typer.Option(default, *names, help=text, rich_help_panel=panel, **more)
 
 
 machine, time, study, integration, picture, output = (
@@ -123,29 +133,29 @@ _model = partial(
 )
 ModelFile = Annotated[str, _model(help=_FILE, default_factory=str)]
 ModelFiles = Annotated[list[str], _model(help=f"{_FILE} One or several.", default_factory=list)]
-Scene = Annotated[str | None, scene("Scene of the model; the first unless given.")]
-AnyScene = Annotated[str | None, scene("One scene; all unless given.")]
+Scene = Annotated[str | None, scene(..., "Scene of the model; the first unless given.")]
+AnyScene = Annotated[str | None, scene(..., "One scene; all unless given.")]
 Values = Annotated[
     list[str] | None,
-    pair("A parameter, in its declared unit; again for more.", "--set",
+    pair(..., "A parameter, in its declared unit; again for more.", "--set",
          autocompletion=completion.settings),
 ]  # fmt: skip
 Generated = Annotated[
-    Path | None, machine("Folder of the generated modules, as --out of build names it.")
+    Path | None, machine(..., "Folder of the generated modules, as --out of build names it.")
 ]
-MotionStart = Annotated[float, time("First instant in s; the start values belong to it.")]
-TEnd = Annotated[float, time("Last instant in s.")]
-OptionalTEnd = Annotated[float | None, time("Last instant in s.")]
+MotionStart = Annotated[float, time(..., "First instant in s; the start values belong to it.")]
+TEnd = Annotated[float, time(..., "Last instant in s.")]
+OptionalTEnd = Annotated[float | None, time(..., "Last instant in s.")]
 Points = Annotated[
-    int | None, time("Number of output instants, ends included; 501 unless given.", min=2)
+    int | None, time(..., "Number of output instants, ends included; 501 unless given.", min=2)
 ]
 Analysis = Annotated[
     str | None,
-    study("simulate, kinematics, inverse-dynamics or equilibrium (which needs no --t-end); "
+    study(..., "simulate, kinematics, inverse-dynamics or equilibrium (which needs no --t-end); "
           "follows from the scene unless given.", autocompletion=completion.analyses),
 ]  # fmt: skip
-Check = Annotated[bool, output("Write nothing; fail if a file is out of date.", "--check")]
-Json = Annotated[bool, output("Print one JSON object on stdout.", "--json")]
+Check = Annotated[bool, output(..., "Write nothing; fail if a file is out of date.", "--check")]
+Json = Annotated[bool, output(..., "Print one JSON object on stdout.", "--json")]
 
 
 @dataclass(frozen=True)
@@ -164,14 +174,15 @@ class Request:
     ]
     scene: Scene = None
     settings: Values = None
-    start: Annotated[list[str] | None, pair("A start value that is kept, in SI units.")] = None
+    start: Annotated[list[str] | None, pair(..., "A start value that is kept, in SI units.")] = None
     guess: Annotated[
         list[str] | None,
-        pair("Where the search for a start begins, in SI units; no name that is fixed."),
+        pair(..., "Where the search for a start begins, in SI units; no name that is fixed."),
     ] = None
     generated: Generated = None
     as_json: Json = False
     run: dict[str, Any] = field(default_factory=dict)  # the options of a simulation
+    own: dict[str, Any] = field(default_factory=dict)  # those of the command itself that are given
 
     @property
     def case(self) -> "Case | None":
@@ -200,28 +211,25 @@ class Request:
         machine is known; without it, that of the case is loaded for its units. Conditions of both
         hold. Names that a sweep has `varied` are left out of the case.
         """
-        problems = list[str]()
+        problems, of_case = list[str](), dict[str, Any]()
         given: dict[str, dict[str, Any]] = {
-            "parameters": assigned("--set", self.settings, problems),
-            "guess": assigned("--guess", self.guess, problems),
+            "parameters": named_values("--set", self.settings, problems, _assignment),
+            "guess": named_values("--guess", self.guess, problems, _assignment),
+            "start": named_values("--start", self.start, problems, _assignment),
+            "until": named_values("--until", self.run.get("until"), problems, _condition),
         }
-        if self.start:
-            given["start"] = assigned("--start", self.start, problems)
-        if self.run:
-            given["until"] = _conditions(self.run["until"] or (), problems)
         if problems:
             raise InputError(problems)
-        of_case: dict[str, Any] = {}
+        if not self.run:  # of what integrates nothing
+            del given["until"]
         if self.case is not None:
-            words = self.case.words(machine or self.case.machine())
-            kept = {*given, "start", *(("t_eval",) if machine else ())}
-            of_case = {name: value for name, value in words.items() if name in kept}
-            for word in of_case.keys() & {"parameters", "start"}:
-                of_case[word] = {k: v for k, v in of_case[word].items() if k not in varied}
-        joined = {word: of_case.get(word, {}) | values for word, values in given.items()}
-        if self.run:
-            joined["until"] = joined["until"] or None
-        return {**self.run, **of_case, **joined}
+            of_case = self.case.words(machine or self.case.machine())
+            for word, values in given.items():
+                stated = of_case.pop(word, {}).items()
+                given[word] = {k: x for k, x in stated if k not in varied} | values
+            of_case = {k: x for k, x in of_case.items() if k == "t_eval" and machine}
+        run = {name: value for name, value in self.run.items() if name != "until"}
+        return run | of_case | {word: values for word, values in given.items() if values}
 
     def refuse_run_options(self, title: str) -> None:
         """Raise InputError where one is given that a prescribed motion would ignore."""
@@ -266,7 +274,7 @@ def _parameter(of: SimulationOption) -> Parameter:
     annotated: Any = Annotated
     return Parameter(
         of.name, Parameter.KEYWORD_ONLY, default=of.default,
-        annotation=annotated[kind, integration(look.pop("text"), *look.pop("names"), **look)],
+        annotation=annotated[kind, integration(..., look.pop("text"), *look.pop("names"), **look)],
     )  # fmt: skip
 
 
@@ -283,19 +291,18 @@ def with_request(
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         _, *own = signature(command).parameters.values()
-        left_out = {*without, "run", *(parameter.name for parameter in own)}
-        of_runs = {k: p for k, p in _OF_RUNS.items() if simulates and k not in left_out}
-        of_request = [p for p in signature(Request).parameters.values() if p.name not in left_out]
-        first, *rest = (p.replace(kind=Parameter.KEYWORD_ONLY) for p in of_request)
+        left_out = {*without, "run", "own", *(parameter.name for parameter in own)}
+        of_runs = [p for p in _OF_RUNS.values() if simulates and p.name not in left_out]
+        first, *rest = (p for p in signature(Request).parameters.values() if p.name not in left_out)
 
         @wraps(command)
         def taking(**options: Any) -> None:
-            run = {name: options.pop(name) for name in of_runs}
-            words = {f.name: options.pop(f.name) for f in fields(Request) if f.name in options}
-            command(Request(**words, run=run), **options)
+            run = {p.name: options.pop(p.name) for p in of_runs}
+            words = {p.name: options.pop(p.name) for p in (first, *rest)}
+            given = {name: value for name, value in options.items() if value not in (None, [])}
+            command(Request(**words, run=run, own=given), **options)
 
-        taken = [first, *own, *rest, *of_runs.values()]
-        taken = [p.replace(kind=Parameter.KEYWORD_ONLY) for p in taken]
+        taken = [p.replace(kind=Parameter.KEYWORD_ONLY) for p in (first, *own, *rest, *of_runs)]
         about: Any = taking
         about.__signature__ = signature(command).replace(parameters=taken)
         about.__annotations__ = {p.name: p.annotation for p in taken}
@@ -304,46 +311,45 @@ def with_request(
     return decorate
 
 
-def assigned(option: str, texts: list[str] | None, problems: list[str]) -> dict[str, float]:
-    """The values of an option that takes NAME=VALUE; what is wrong joins the problems."""
-    values = dict[str, float]()
+def named_values(
+    option: str, texts: Iterable[str] | None, problems: list[str],
+    read: Callable[[str], tuple[str, Any]],
+) -> dict[str, Any]:  # fmt: skip
+    """The values of an option that takes several with a name; what is wrong joins the problems."""
+    values = dict[str, Any]()
     for text in texts or ():
-        name, _, value = text.partition("=")
-        name = name.strip()
+        try:
+            name, value = read(text)
+        except ValueError as error:
+            problems.append(f"{option} {error}")
+            continue
         if name in values:
             problems.append(f"{option} {name} is given twice; give one value.")
-        try:
-            values[name] = float(value)  # "" where there is no =
-        except ValueError:
-            problems.append(f"{option} {text}: write NAME=VALUE with a number.")
+        values[name] = value
     return values
+
+
+def _assignment(text: str) -> tuple[str, float]:
+    name, _, value = text.partition("=")
+    try:
+        return name.strip(), float(value)  # "" where there is no =
+    except ValueError:
+        raise ValueError(f"{text}: write NAME=VALUE with a number.") from None
+
+
+def _condition(text: str) -> tuple[str, tuple[str, str, float]]:
+    """A condition that ends a run, of the form ``home: body.x > 3``."""
+    name, _, condition = text.partition(":")
+    try:
+        series, sign, number = read_condition(condition if name.strip() else "")
+        return name.strip(), (series, sign, float(number))
+    except ValueError:
+        raise ValueError(
+            f'"{text}": write "NAME: SERIES > VALUE", or with <, such as "home: body.x > 3": a '
+            "name, a series of the result and a number."
+        ) from None
 
 
 def parameters(settings: list[str] | None) -> dict[str, float]:
-    """The values of --set; ParameterError with all that is wrong."""
-    problems = list[str]()
-    values = assigned("--set", settings, problems)
-    if problems:
-        raise ParameterError(problems)
-    return values
-
-
-def _conditions(texts: Iterable[str], problems: list[str]) -> dict[str, tuple[str, str, float]]:
-    """Conditions that end a run, of the form ``home: body.x > 3``."""
-    found = dict[str, tuple[str, str, float]]()
-    for text in texts:
-        name, _, condition = text.partition(":")
-        name = name.strip()
-        try:
-            series, sign, number = read_condition(condition if name else "")
-            value = float(number)
-        except ValueError:
-            problems.append(
-                f'--until "{text}": write "NAME: SERIES > VALUE", or with <, such as '
-                '"home: body.x > 3": a name, a series of the result and a number.'
-            )
-            continue
-        if name in found:
-            problems.append(f'--until "{text}": {name!r} names another condition already.')
-        found[name] = series, sign, value
-    return found
+    """The values of --set; InputError with all that is wrong."""
+    return dict(Request("", settings=settings).words().get("parameters", {}))

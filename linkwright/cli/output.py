@@ -5,33 +5,20 @@ import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from rich.console import Console
+import typer
 
 
-@cache
-def console(*, stderr: bool = False) -> "Console":
-    """The stream of results, or of messages; Rich takes a fifth of a start of the program."""
-    from rich.console import Console
-
-    return Console(stderr=stderr, soft_wrap=True, highlight=False)
+def bold(text: object) -> str:
+    """Text that is bold in a terminal."""
+    return typer.style(str(text), bold=True)
 
 
-def escaped(text: object) -> str:
-    """Text in which square brackets are no marks of a style."""
-    from rich.markup import escape
-
-    return escape(str(text))
-
-
-@contextmanager
-def progress_shown(first: str = "starting") -> Iterator[Callable[[str], None]]:
-    """A line in the terminal that tells the stage; the yielded function changes it."""
-    with console(stderr=True).status(first, spinner="dots") as status:
-        yield lambda message: status.update(escaped(message))
+def print_rows(rows: list[tuple[str, str]]) -> None:
+    """Print titles and texts, a line each."""
+    for title, text in rows:
+        typer.echo(f"  {title:<13} {text}")
 
 
 def print_json(content: dict[str, Any]) -> None:
@@ -39,10 +26,14 @@ def print_json(content: dict[str, Any]) -> None:
     sys.stdout.write(json.dumps(content, default=str) + "\n")
 
 
-def print_rows(rows: list[tuple[str, str]]) -> None:
-    """Print titles and texts, a line each."""
-    for title, text in rows:
-        console().print(f"  {title:<13} {escaped(text)}")
+@contextmanager
+def progress_shown(first: str = "starting") -> Iterator[Callable[[str], None]]:
+    """A line in the terminal that tells the stage; the yielded function changes it."""
+    from rich.console import Console  # which takes a fifth of a start of the program
+    from rich.markup import escape
+
+    with Console(stderr=True).status(first, spinner="dots") as status:
+        yield lambda message: status.update(escape(message))
 
 
 def write_line(text: str) -> None:
@@ -51,8 +42,7 @@ def write_line(text: str) -> None:
         sys.stderr.write(text + "\n")
 
 
-def write_error(problem: str) -> None:
+def write_error(problem: str, head: str = "error:") -> None:
     """Write a problem to stderr, its first word in red in a terminal unless NO_COLOR is set."""
     plain = bool(os.environ.get("NO_COLOR")) or not sys.stderr.isatty()
-    head = "error:" if plain else "\x1b[1;31merror:\x1b[0m"
-    write_line(f"{head} {problem}")
+    write_line(f"{head} {problem}" if plain else f"\x1b[1;31m{head}\x1b[0m {problem}")

@@ -4,20 +4,18 @@ import time as clock
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from runtime.accuracy_target.error_norms import group_magnitude, require_numbers, series_values
-from runtime.core.outcomes import Outcome
+from runtime.accuracy_target.error_norms import group_magnitude, series_values
 from runtime.dynamics.connected_simulation import simulate
-from runtime.dynamics.formulations import Coordinates, formulate
+from runtime.dynamics.formulations import formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.simulation import run_prepared
 from runtime.integrate.problem import (
-    Correction,
     Formulation,
     Options,
     Partitions,
@@ -44,11 +42,6 @@ class Quantities:
     def are_states(self) -> bool:
         """Whether all are coordinates and velocities."""
         return bool(np.all(self.state_columns >= 0))
-
-    def of_run(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        """The values, (k, c), where all are coordinates and velocities."""
-        values: FloatArray = np.hstack([q, v])[:, self.state_columns]
-        return values
 
     def of_result(self, result: Result) -> FloatArray:
         """The values, (k, c)."""
@@ -121,49 +114,7 @@ def own_instants(result: Result) -> dict[str, float]:
     return found
 
 
-class Choice(NamedTuple):
-    """Method and coordinates of a run."""
-
-    method: str
-    formulation: Formulation
-    coordinates: Coordinates
-    reasons: tuple[str, ...] = ()  # for the choice, in clauses
-
-
-def make_run(
-    ready: PreparedSimulation, choice: Choice, options: Options, quantities: Quantities,
-    correction: Correction, progress: Progress,
-) -> Run:  # fmt: skip
-    """A run with these settings, and the values of the quantities in it.
-
-    Where joints come and go, each part returns onto the constraints by the `correction` asked for,
-    or as its own constraints ask for.
-    """
-    watched, result, wholes = ready.mechanism.description.watched, None, np.zeros(1)
-    if any(row.reconnects for row in watched):
-        options = replace(options, correction=correction)
-        result, path = _run_with_reconnections(ready, choice.formulation, options, progress)
-        ended_by, instants = result.ended_by, own_instants(result)
-    else:
-        path = ready.run(choice.coordinates, options, progress)
-        ended_by = watched[path.stopped_by].name if path.stopped_by >= 0 else ""
-        instants = {f"t({ended_by})": path.final_t} if ended_by else {}
-    if result is None and quantities.are_states:
-        q, v = path.q, path.v
-        if ended_by and not (len(path.t) and path.t[-1] == path.final_t):
-            q, v = np.vstack([q, path.final_q]), np.vstack([v, path.final_v])
-        values = quantities.of_run(q, v)
-    else:
-        found = result or run_prepared(
-            choice.coordinates, options, clock.perf_counter(), silent, path
-        )
-        values, wholes = quantities.of_result(found), quantities.wholes(found)
-        if path.outcome is Outcome.OK:  # else another run may go further
-            require_numbers(found.description, quantities.names, values)
-    return Run(choice.formulation, options, path, values, wholes, ended_by, instants, result)
-
-
-def _run_with_reconnections(
+def run_with_reconnections(
     ready: PreparedSimulation, formulation: Formulation, options: Options, progress: Progress
 ) -> tuple[Result, Trajectory]:
     """A run in which joints come and go: its result, and one trajectory of all its parts."""

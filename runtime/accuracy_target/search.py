@@ -21,13 +21,14 @@ built already.
 import time as clock
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
 from codegen.termination_signals import SignalDeferral
+from runtime.accuracy_target.error_norms import require_numbers
 from runtime.accuracy_target.run_comparison import (
     DIVERGED,
     ROUNDING,
@@ -36,9 +37,15 @@ from runtime.accuracy_target.run_comparison import (
     sufficient_ratio,
     with_accuracy,
 )
-from runtime.accuracy_target.runs import Choice, Quantities, Run, make_run, quantities_of
+from runtime.accuracy_target.runs import (
+    Quantities,
+    Run,
+    own_instants,
+    quantities_of,
+    run_with_reconnections,
+)
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.formulations import formulate
+from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.simulation import note_repetition, run_prepared
 from runtime.integrate.method import IMPLICIT, LEADING, REGISTER
@@ -134,6 +141,15 @@ def _conflicts(
             description.series.find(name)
         except InputError as error:
             yield from error.problems
+
+
+class Choice(NamedTuple):
+    """Method and coordinates of a run."""
+
+    method: str
+    formulation: Formulation
+    coordinates: Coordinates
+    reasons: tuple[str, ...] = ()  # for the choice, in clauses
 
 
 class _InterruptedError(Exception):
@@ -319,13 +335,41 @@ class _Search:
             self.options, method=choice.method, rtol=rtol, h_max=longest,
             correction=choice.coordinates.correction,
         )  # fmt: skip
-        made = make_run(
-            self.ready, choice, options, self.quantities, self.correction, self.progress
-        )
+        made = self._made(choice, options)
         self.runs.append(made)
         if self.signals.arrived or made.path.outcome is Outcome.INTERRUPTED:
             raise _InterruptedError
         return made
+
+    def _made(self, choice: Choice, options: Options) -> Run:
+        """A run with these settings, and the values of the quantities in it.
+
+        Where joints come and go, each part returns onto the constraints by the correction asked
+        for, or as its own constraints ask for.
+        """
+        ready, quantities, result, wholes = self.ready, self.quantities, None, np.zeros(1)
+        watched = ready.mechanism.description.watched
+        if any(row.reconnects for row in watched):
+            options = replace(options, correction=self.correction)
+            result, path = run_with_reconnections(ready, choice.formulation, options, self.progress)
+            ended_by, instants = result.ended_by, own_instants(result)
+        else:
+            path = ready.run(choice.coordinates, options, self.progress)
+            ended_by = watched[path.stopped_by].name if path.stopped_by >= 0 else ""
+            instants = {f"t({ended_by})": path.final_t} if ended_by else {}
+        if result is None and quantities.are_states:
+            states = np.hstack([path.q, path.v])
+            if ended_by and not (len(path.t) and path.t[-1] == path.final_t):
+                states = np.vstack([states, np.hstack([path.final_q, path.final_v])])
+            values = states[:, quantities.state_columns]
+        else:
+            found = result or run_prepared(
+                choice.coordinates, options, clock.perf_counter(), silent, path
+            )
+            values, wholes = quantities.of_result(found), quantities.wholes(found)
+            if path.outcome is Outcome.OK:  # else another run may go further
+                require_numbers(found.description, quantities.names, values)
+        return Run(choice.formulation, options, path, values, wholes, ended_by, instants, result)
 
 
 def _tightest(pair: Pair) -> float:

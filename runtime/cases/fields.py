@@ -38,6 +38,7 @@ FORMAT = "linkwright case 1"
 """The format and its version."""
 
 _LONGEST = 4096  # safety: characters of a text
+_MOST = 2**62  # safety: of a count
 _QUANTITY = 'a finite number, or a text of a number and its unit, such as "1.2 m"'
 _SECONDS = 'a finite number of seconds, or a text such as "20 ms"'
 _CONDITION = 'a condition "SERIES > VALUE", or with <, such as "body.x > 3"'
@@ -149,18 +150,14 @@ class Scene(_Keys):
     until: Conditions = _key("Name: condition on a position or velocity; ends runs.")
 
 
-def _from(least: int) -> Any:
-    """A whole number from `least` on."""
-    kind: Any = Annotated
-    return kind[int, Field(ge=least)]
-
-
 _KINDS = {
-    "number": _kind(_number, {"type": "number"}), "seconds": Seconds, "count": _from(1),
+    "number": _kind(_number, {"type": "number"}), "seconds": Seconds,
+    "count": Annotated[int, Field(ge=1, le=_MOST)],
     "text": Text, "names": Names, "conditions": Conditions,
     "instants": _one_of(
         lambda value: type(value).__name__ if isinstance(value, list | str) else "int",
-        int=_from(2), str=Literal["steps"], list=Annotated[list[Seconds], Field(min_length=1)],
+        int=Annotated[int, Field(ge=2, le=_MOST)], str=Literal["steps"],
+        list=Annotated[list[Seconds], Field(min_length=1)],
     ),
 }  # fmt: skip
 
@@ -235,6 +232,7 @@ _DEMANDS = {
     "bool_type": "true or false",
     "int_type": "a whole number",
     "greater_than_equal": "a whole number from {ge} on",
+    "less_than_equal": "a whole number up to {le:g}",
     "dict_type": "a mapping, NAME: VALUE",
     "model_type": "a mapping, KEY: VALUE",
     "list_type": "a list",

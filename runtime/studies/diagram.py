@@ -1,18 +1,28 @@
-"""A work-precision diagram as data: settings, runs, reference, modelling choices."""
+"""A work-precision diagram as data; conclusions, sentences and tables, read from it alone."""
 
 import math
-from dataclasses import asdict, dataclass, field
-from itertools import chain
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from statistics import median
+from typing import TYPE_CHECKING
 
-from codegen.object_display import counted, html_of, html_table
+import numpy as np
+
+from codegen.object_display import counted
+from codegen.presentation import milliseconds, new_table, shortened
 from codegen.readers.calls import checked_class
 from runtime.accuracy_target.error_norms import Errors, Scale
-from runtime.results.samples import plain
-from runtime.studies.harness import Setting, titled
+from runtime.studies.answer import Answer, titled
+from runtime.studies.harness import Setting, time_to_error
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from rich.table import Table
+
+# Scaled errors at which times are given; the IFToMM benchmarks call the first precise.
+TARGETS = (1e-3, 1e-6, 1e-9)
+NOISY = 1.3  # spread from which on a time is doubtful
+LONG = 160  # characters of a reason on a screen; a longer one is cut there, not in the records
 
 
 @dataclass(frozen=True)
@@ -20,9 +30,8 @@ class Point:
     """One run."""
 
     rtol: float
-    # "OK"; the name of a `runtime.Outcome`; "TIMEOUT" where the limit of time ended it; "NOT_TRIED"
-    # where looser tolerances had met the limit twice; "OTHER_END" where joints come and go, or a
-    # condition ends the run, otherwise than in the reference
+    # the name of a `runtime.Outcome`; "TIMEOUT"; "NOT_TRIED" where looser tolerances had met that
+    # twice; "OTHER_END" where joints come and go, or a condition ends it, not as in the reference
     outcome: str
     message: str = ""  # how it ended, in a sentence
     errors: Errors | None = None  # against the reference; None of a run that did not reach its end
@@ -102,8 +111,8 @@ class Choice:
 
 
 @checked_class
-@dataclass(frozen=True)
-class WorkPrecision:
+@dataclass(frozen=True, repr=False)
+class WorkPrecision(Answer):
     """The time that the accuracy of a scene's motion costs.
 
     Attributes
@@ -116,7 +125,7 @@ class WorkPrecision:
         What the energy is compared with: "start" where it is conserved, "reference" where it
         changes, "" where the scene has none.
     limit, steps
-        Wall-clock time, s, and steps that a run may take.
+        Time, s, and steps that a run may take.
     build
         Stage → seconds of building the scene anew once, apart from all runs.
     environment
@@ -158,25 +167,219 @@ class WorkPrecision:
 
         return draw_diagram(self)
 
-    def __repr__(self) -> str:
-        """The scene, the run, and what the study concludes, a line each."""
-        from runtime.studies.conclusions import sentences
-
+    @property
+    def title(self) -> str:
+        """The scene and the run."""
+        settings = counted(len(self.lines), "setting")
         span = f"t = {self.t_start:g} to {self.t_end:g} s"
-        title = (
-            f"{self.model}/{self.scene}, accuracy: {counted(len(self.lines), 'setting')}, {span}"
+        return f"{self.model}/{self.scene}, accuracy: {settings}, {span}"
+
+    def sentences(self, *, whole: bool = False) -> Iterator[str]:
+        """Conclusions, the most important first; reasons of failures short or whole."""
+        longest = math.inf if whole else LONG
+        yield headline(self)
+        target = next((target for target in (1e-6, 1e-3) if best_at(self, target)), None)
+        if target is not None:
+            yield from _comparisons(self, target)
+        for choice in self.choices:
+            yield _choice(self, choice, longest)
+        yield from _reference(self.reference)
+        yield from _failures(self, longest)
+        noisy = [point.spread > NOISY for line in self.lines for point in line.done]
+        if any(noisy):
+            yield (
+                f"The times of {sum(noisy)} of {len(noisy)} runs spread by more than {NOISY:g} "
+                "(median over least): others use the machine; the least counts."
+            )
+        if self.build:
+            parts = ", ".join(f"{stage} {seconds:.2g}" for stage, seconds in self.build.items())
+            yield f"Building, once, apart from all runs, in s: {parts}."
+
+    def tables(self) -> "tuple[Table, Table]":
+        """Times at three, six and nine digits, the best marked; counters and residuals."""
+        title = f"{self.model}/{self.scene}, {self.t_end:g} s: time in ms for this many digits"
+        caption = (
+            "times in ms, *: the fastest; slope of error over tolerance; error over tolerance, "
+            "median"
         )
-        return "\n  ".join((title, *sentences(self)))
+        head = ["setting", "3 digits", "6 digits", "9 digits", "most", "slope", "E/rtol", "failed"]
+        lines = [(line.setting.title, *_score(self, line)) for line in self.lines]
+        choices = [(choice.title, *_score_of_choice(choice)) for choice in self.choices]
+        times = new_table(title, caption, head, lines, choices, least=14)
+        against = " (against the reference)" if self.energy == "reference" else ""
+        caption = (
+            "largest |Φ| over the machine's size, |Φ_q q̇ - ν| over the largest speed, energy "
+            f"error over the energy{against}"
+        )
+        head = ["setting", "rtol", "steps", "rej.", "rhs", "Newton", "J", "LU", "|Φ|", "|Φ̇|"]
+        rows = [row for line in self.lines for row in _work(line)]
+        title = "the loosest run with 6 digits"
+        return times, new_table(title, caption, [*head, "energy"], rows, least=14)
 
-    def _repr_html_(self) -> str:
-        """The same with the table of times, for notebooks."""
-        from runtime.studies.conclusions import SCORES, score_sections
 
-        rows = chain(*score_sections(self))
-        return html_of(f"{self!r}\n  Times in ms:", html_table(SCORES, rows))
+def digits(error: float) -> str:
+    """1e-6 → "6"."""
+    return f"{-math.log10(error):.3g}"
 
-    def facts(self) -> dict[str, Any]:
-        """All fields and the sentences, as JSON; a number that is not finite is null."""
-        from runtime.studies.conclusions import sentences
 
-        return {**plain(asdict(self)), "sentences": list(sentences(self, whole=True))}
+def time_at(line: Line, error: float) -> float:
+    """Time in s in which a line reaches a scaled error, as a tighter, faster run does too; or ∞."""
+    points = [(point.worst, point.seconds) for point in line.done]
+    return min([time_to_error(points, error), *(time for worst, time in points if worst <= error)])
+
+
+def fastest(lines: Sequence[Line], error: float) -> Line | None:
+    """The fastest line at an accuracy."""
+    best = min(lines, key=lambda line: time_at(line, error), default=None)
+    return None if best is None or math.isinf(time_at(best, error)) else best
+
+
+def best_at(study: WorkPrecision, error: float) -> Line | None:
+    """The fastest line at an accuracy that the reference can resolve."""
+    return None if error < study.reference.floor else fastest(study.lines, error)
+
+
+def front(lines: Sequence[Line]) -> list[Point]:
+    """The Pareto front, fastest first; of runs beyond the reference's accuracy the fastest only."""
+    best: list[Point] = []
+    runs = [point for line in lines for point in line.done]
+    for point in sorted(runs, key=lambda run: run.seconds):
+        if point.worst < (best[-1].worst if best else math.inf):
+            best.append(point)
+        if point.beyond:
+            break
+    return best
+
+
+def slope(line: Line) -> float | None:
+    """d log E / d log rtol over the runs whose error is known: 1 where errors follow tolerances."""
+    runs = [(point.rtol, point.worst) for point in line.known if point.worst < 0.1]
+    if len(runs) < 2:
+        return None
+    rtols, worst = np.log(np.array(runs)).T
+    return float(np.polyfit(rtols, worst, 1)[0])
+
+
+def effectivity(line: Line) -> float | None:
+    """Median of E over rtol: the factor between the error of a run and the tolerance of a step."""
+    ratios = [point.worst / point.rtol for point in line.known]
+    return median(ratios) if ratios else None
+
+
+def headline(study: WorkPrecision) -> str:
+    """The cost of three more digits."""
+    reached = [(target, line) for target in TARGETS if (line := best_at(study, target))]
+    if len(reached) < 2:
+        most = max((point.digits for point in front(study.lines)), default=0.0)
+        return f"No run has more than {most:.1f} digits that the reference can resolve."
+    (loose, fast), (tight, slow) = reached[-2:]
+    before, after = time_at(fast, loose), time_at(slow, tight)
+    return (
+        f"Three more digits, {digits(tight)} instead of {digits(loose)}, cost "
+        f"{after / before:.2g} times the time: {milliseconds(before)}"
+        f"{'' if slow is fast else f' ({fast.setting.title})'} become "
+        f"{milliseconds(after)} ({slow.setting.title})."
+    )
+
+
+def _comparisons(study: WorkPrecision, target: float) -> Iterator[str]:
+    """Methods, corrections and formulations at one accuracy."""
+    reached = {line.setting: time_at(line, target) for line in study.lines}
+    times = {setting: seconds for setting, seconds in reached.items() if math.isfinite(seconds)}
+    at, base = f"at {digits(target)} digits", Setting("dop853")
+    once = sorted((seconds, s.title) for s, seconds in times.items() if s.correction == "step")
+    if len(once) > 1:
+        (least, first), (most, last) = once[0], once[-1]
+        yield (
+            f"{at.capitalize()} {first} takes {milliseconds(least)}, {last} {most / least:.3g} "
+            "times as long."
+        )
+    others = {
+        "Correction at every stage": replace(base, correction="stage"),
+        "Correction by projection": replace(base, correction="projection"),
+        f"{base.method}, reduced": replace(base, formulation="reduced"),
+    }
+    for name, other in others.items():
+        if base in times and other in times:
+            ratio = times[other] / times[base]
+            yield f"{name} takes {ratio:.2f} times the time of {base.title} {at}."
+
+
+def _choice(study: WorkPrecision, choice: Choice, longest: float) -> str:
+    """Accuracy and time of a modelling choice, and the time of the declared scene beside it."""
+    point = choice.point
+    if point is None:
+        return f"{choice.title}: not run. {shortened(choice.reason, longest)}"
+    kept = f"{max(point.digits, 0.0):.1f} digits, however tight the tolerance"
+    if point.beyond:
+        kept = "all digits that the reference can resolve"
+    error, declared = max(min(point.worst, 0.1), study.reference.floor), ""
+    if full := fastest(study.lines, error):
+        declared = f"; the declared scene has as many after {milliseconds(time_at(full, error))}"
+    return f"{choice.title} keeps {kept}, after {milliseconds(point.seconds)}{declared}."
+
+
+def _reference(reference: Reference) -> Iterator[str]:
+    checks = ", ".join(f"{check.title} differs by {check.error:.1e}" for check in reference.checks)
+    kind = "was given" if reference.independent else "is itself a run and not independent"
+    yield (
+        f"The reference, {reference.source}, {kind}: {checks}. Errors below "
+        f"{reference.floor:.1e} cannot be resolved."
+    )
+    if reference.horizon is not None:
+        yield (
+            f"From t = {reference.horizon:.4g} s on, the reference is known to fewer than six "
+            "digits: the motion is too sensitive to be followed for longer, or the reference is "
+            "of another machine. End the run earlier, or compare less sensitive quantities."
+        )
+
+
+def _failures(study: WorkPrecision, longest: float) -> Iterator[str]:
+    refusals: dict[str, list[str]] = {}
+    for line in study.lines:
+        if line.refused:
+            refusals.setdefault(line.refused, []).append(line.setting.title)
+        if line.failed:
+            outcomes = ", ".join(dict.fromkeys(point.outcome for point in line.failed))
+            count = f"{len(line.failed)} of {len(line.points)} runs did not reach the end"
+            reason = shortened(line.failed[0].message, longest)
+            yield f"{line.setting.title}: {count}: {outcomes}. {reason}"
+    for reason, titles in refusals.items():
+        yield f"Not tried: {'; '.join(titles)}. {shortened(reason, longest)}"
+
+
+def _score(study: WorkPrecision, line: Line) -> tuple[object, ...]:
+    """Times, the most digits, and how errors follow tolerances."""
+    if line.refused:
+        return (*[""] * 6, "refused")
+    times = []
+    for target in TARGETS:
+        best, seconds = best_at(study, target), time_at(line, target)
+        reached = best and math.isfinite(seconds)
+        times.append(f"{1e3 * seconds:.3g}{'*' if best is line else ' '}" if reached else "")
+    most = max((f"{point.digits:.1f}" for point in line.known), key=float, default="")
+    if any(point.beyond for point in line.done):
+        most = f">{-math.log10(study.reference.floor):.1f}"
+    steep, ratio = slope(line), effectivity(line)
+    follows = "" if steep is None else f"{steep:.2f}", "" if ratio is None else f"{ratio:.2g}"
+    return *times, most, *follows, len(line.failed) or ""
+
+
+def _score_of_choice(choice: Choice) -> tuple[object, ...]:
+    point = choice.point
+    if point is None:
+        return (*[""] * 6, "not run")
+    times = [f"{1e3 * point.seconds:.3g} " if point.worst <= target else "" for target in TARGETS]
+    return *times, f"{point.digits:.1f}", "", "", ""
+
+
+def _work(line: Line) -> Iterator[tuple[str, ...]]:
+    """Counters and residuals of the first run with six digits, if there is one."""
+    names = ("steps", "rejected", "rhs_evaluations", "newton", "jacobians", "factorizations")
+    for point in [point for point in line.done if point.worst <= TARGETS[1]][:1]:
+        counts, residuals = point.counts, (point.position_residual, point.velocity_residual)
+        newton = counts.get("corrections", 0.0) + counts.get("stage_iterations", 0.0)
+        counts = {**dict.fromkeys(names, 0.0), **counts, "newton": newton}
+        cells = [f"{point.rtol:.0e}", *(f"{counts[name]:.0f}" for name in names)]
+        cells += ["" if x is None else f"{x:.0e}" for x in (*residuals, point.energy)]
+        yield line.setting.title, *cells

@@ -1,21 +1,32 @@
-"""What both studies share: the scene, loaded; the words of `simulate` for their runs; a timed run.
+"""What studies share: the scene, loaded; the words of `simulate` for their runs; timed runs.
 
 Undeclared variants of a scene are compiled in a cache. A study hands to each of its runs what it
 does not set itself, with the annotations and defaults of `Machine.simulate`, where they are
 explained.
+
+Processor time is measured, not wall-clock time: the scheduler interrupts a run longer than its time
+slice nearly every time where processors are busy, a short run hardly ever, so that wall-clock time
+would overstate the longer run. Other processes only ever lengthen a run, through the caches, and
+for a while at a time: runs are therefore repeated in turns, and the least time counts.
 """
 
+import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+import platform
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from functools import partial
+from importlib.metadata import PackageNotFoundError, version
 from inspect import Parameter, signature
 from pathlib import Path
+from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
-from codegen.errors import AnalysisError, InputError, UnknownNameError
+from codegen import __version__
+from codegen.errors import AnalysisError, InputError
 from codegen.readers import arguments as readers
-from codegen.readers.values import KindError, shown
+from codegen.readers.values import KindError
 from runtime.core.kinds import ANALYSES, analysis_name, analysis_title
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.connected_simulation import simulate
@@ -27,21 +38,23 @@ from runtime.machine_loading import load
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
-from runtime.studies.timing import TimeLimit
 from runtime.validation.arguments import KINDS, check
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
 
+Place = str | os.PathLike[str]
+Report = Callable[[str], None]  # receives a line before every step that takes time
 Study = TypeVar("Study", bound=Callable[..., Any])
-Entry = TypeVar("Entry")
+Answer = TypeVar("Answer")
 
 CACHE = ".linkwright_cache"  # folder for modules of undeclared scenes, in the user's folder
-FORMULATIONS = ("cartesian", "reduced")
 _CORRECTIONS = {"step": "", "stage": ", every stage", "projection": ", projection"}
 TIMEOUT = "TIMEOUT"
 TIME = "integration_seconds"  # entry of `Result.stats`
 LEFT_OUT = "none"  # fidelity of an effect left out: `codegen.reading.scene_selection.Variant.word`
+LIBRARIES = ("numba", "llvmlite", "numpy", "scipy", "sympy")
+MOST = 30  # safety: runs by which a time is taken, however short
 
 _OF_THE_STUDY = {
     *("self", "parameters", "guess", "start", "progress", "out"),
@@ -70,10 +83,15 @@ class Source(NamedTuple):
     """A model and a scene of it, the folder of the work, that of the modules."""
 
     given: "str | Model"  # the model as the user named it
-    folder: str | os.PathLike[str] | None
-    generated: str | os.PathLike[str] | None
+    folder: Place | None
+    generated: Place | None
     model: "Model"
     scene: "Scene"
+
+    @property
+    def title(self) -> str:
+        """MODEL/SCENE."""
+        return f"{self.model.name}/{self.scene.name}"
 
     def machine(self, scene: "Scene | None" = None) -> Machine:
         """The machine of the scene, or of another of the model, as `load` finds it."""
@@ -89,16 +107,15 @@ class Source(NamedTuple):
 
 
 def read_source(
-    model: Any, scene: "str | Scene | None", folder: str | os.PathLike[str] | None,
-    generated: str | os.PathLike[str] | None,
-) -> Source:  # fmt: skip
+    model: Any, scene: "str | Scene | None", folder: Place | None, generated: Place | None
+) -> Source:
     """Read the model, and find the scene in it: the first unless one is named."""
     from codegen.reading.scene_selection import declared
 
     return Source(model, folder, generated, *declared(model, scene))
 
 
-def cache_folder(folder: str | os.PathLike[str] | None) -> Path:
+def cache_folder(folder: Place | None) -> Path:
     """The cache in the user's folder, created if need be and hidden from version control."""
     path = Path(folder or "").absolute() / CACHE
     try:
@@ -112,9 +129,16 @@ def cache_folder(folder: str | os.PathLike[str] | None) -> Path:
     return path
 
 
-def require_time_span(machine: Machine, t_start: float, t_end: float | None) -> float:
-    """The last instant of a run, s; refused if it is missing, or not after the first."""
+def require_time_span(
+    machine: Machine, analysis: str, t_start: float, t_end: float | None
+) -> float:
+    """The last instant of a run, s; refused if it is missing, or not after the first.
+
+    An equilibrium ends where it begins.
+    """
     title = machine.description.title
+    if analysis == "equilibrium":
+        return float(t_start)
     if t_end is None:
         raise AnalysisError(f"{title}: t_end is missing; give the last instant in s (--t-end).")
     if not t_start < t_end < float("inf"):
@@ -236,18 +260,18 @@ class Runner:
     def run(self, setting: Setting, rtol: float) -> Result:
         """Run once; `Outcome.INTERRUPTED` is a run that the limit of time ended."""
         about = self.machine.description
+        given: dict[str, Any] = {
+            "t_end": float(self.instants[-1]), "t_eval": self.instants, "rtol": rtol,
+            "t_start": self.begin.t, "start": self.begin, "step_limit": self.steps,
+            **asdict(setting), **self.words,
+        }  # fmt: skip
+        until = given.pop("until", None)
+        conditions = () if until is None else read_conditions(about, until)
+        analyse = partial(simulate, self.machine.mechanism)
         others = any(row.reconnects for row in about.watched)
         for _ in range(2 if others else 1):  # in the first run scenes that follow may be built
-            limit = TimeLimit(self.limit)
-            given: dict[str, Any] = {
-                "t_end": float(self.instants[-1]), "t_eval": self.instants, "rtol": rtol,
-                "t_start": self.begin.t, "start": self.begin, "step_limit": self.steps,
-                "progress": limit, **asdict(setting), **self.words,
-            }  # fmt: skip
-            until = given.pop("until", None)
-            conditions = () if until is None else read_conditions(about, until)
-            analyse = partial(simulate, self.machine.mechanism)
-            result = simulate_until(analyse, conditions, given) if until else analyse(**given)
+            given["progress"] = limit = TimeLimit(self.limit)
+            result = simulate_until(analyse, conditions, given) if conditions else analyse(**given)
             if not limit.exceeded:
                 break
         if result.outcome is Outcome.INTERRUPTED and not limit.exceeded:
@@ -265,8 +289,88 @@ def outcome_name(result: Result) -> str:
     return TIMEOUT if result.outcome is Outcome.INTERRUPTED else str(result.outcome)
 
 
-def titled(what: str, entries: Mapping[str, Entry], title: object) -> Entry:
-    """The entry of a title; UnknownNameError, with those that there are, without one."""
-    if not isinstance(title, str) or title not in entries:
-        raise UnknownNameError(f"no {what} {shown(title)}; there are: {'; '.join(entries)}.")
-    return entries[title]
+def processor_time(run: Callable[[], Answer]) -> tuple[Answer, float]:
+    """The answer of a run, and its processor time in s."""
+    started = process_time()
+    answer = run()
+    return answer, process_time() - started
+
+
+class TimeLimit:
+    """Progress callback that interrupts a run which takes too long; compilation does not count."""
+
+    def __init__(self, limit: float) -> None:
+        self.limit, self.exceeded = limit, False
+        self.started: float | None = None
+
+    def __call__(self, fraction: float) -> None:
+        """Note the first sign of life; interrupt once the limit has passed since."""
+        if self.started is None:
+            self.started = perf_counter()
+        elif perf_counter() - self.started > self.limit:
+            self.exceeded = True
+            raise KeyboardInterrupt  # ends the run with the part that it has computed
+
+
+def time_runs(
+    runs: Iterable[Callable[[], float | None]], first: Sequence[float], rounds: int, least: float
+) -> list[list[float]]:
+    """Processor times of runs, s, which take turns until each is done or, None, is cut short.
+
+    Each is run `rounds` times and for `least` s, or `MOST` times; of one that takes `least` alone
+    two times are enough. That of a `first` run counts only if it was long: a short one met cold
+    caches.
+    """
+    times = [[seconds] if seconds >= least else [] for seconds in first]
+    waiting = dict(enumerate(runs))
+    while waiting:
+        for k, run in [*waiting.items()]:
+            seconds, found = run(), times[k]
+            found += [] if seconds is None else [seconds]
+            enough = rounds if sum(found) >= least else MOST
+            if seconds is None or len(found) >= (2 if min(found) >= least > 0.0 else enough):
+                del waiting[k]
+    return [found or [seconds] for found, seconds in zip(times, first, strict=True)]
+
+
+def time_to_error(points: Iterable[tuple[float, float]], error: float) -> float:
+    """Time in which runs, from the loosest to the tightest, first reach an error.
+
+    Interpolated between the (error, time) of the run that reaches it and of the run before,
+    logarithm over logarithm; the time of the first run if that reaches it; infinite if no run does.
+    """
+    loose: tuple[float, float] | None = None
+    for worst, seconds in points:
+        if worst <= error:
+            if loose is None or math.isinf(loose[0]):
+                return seconds
+            far, near = math.log(loose[0]), math.log(max(worst, 1e-17))
+            share = (far - math.log(error)) / (far - near)
+            fast, slow = math.log(loose[1]), math.log(seconds)
+            return math.exp(fast + share * (slow - fast))
+        loose = worst, seconds
+    return math.inf
+
+
+def environment() -> dict[str, str]:
+    """Processor, operating system and versions: name → text."""
+    facts = {
+        "machine": processor(),
+        "system": f"{platform.system()} {platform.machine()}",
+        "python": platform.python_version(),
+        "linkwright": __version__,
+    }
+    for name in LIBRARIES:
+        with suppress(PackageNotFoundError):  # a library in a bundle may come without metadata
+            facts[name] = version(name)
+    return facts
+
+
+def processor() -> str:
+    """Name of the processor."""
+    information = Path("/proc/cpuinfo")
+    if information.is_file():
+        for line in information.read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()

@@ -2,7 +2,8 @@
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
 from itertools import cycle
 from pathlib import Path
 from textwrap import fill
@@ -12,8 +13,17 @@ from codegen.errors import InputError
 from codegen.files.whole_files import whole_file
 from codegen.presentation import check_parent, finish_axes, new_figure, save_picture
 from runtime.integrate.method import METHODS
-from runtime.studies.conclusions import front, headline, records
-from runtime.studies.diagram import Line, Point, WorkPrecision
+from runtime.results.samples import plain
+from runtime.studies.diagram import (
+    Line,
+    Point,
+    WorkPrecision,
+    effectivity,
+    front,
+    headline,
+    slope,
+)
+from runtime.studies.harness import Setting
 from runtime.studies.ranking import Matters, Row, Verdict, percent
 
 if TYPE_CHECKING:
@@ -42,15 +52,22 @@ def draw_ranking(ranking: Matters) -> "Figure":
     drawn = new_figure("picture", 9.0, 1.6 + 0.36 * len(rows), dpi=130)
     left, right = drawn.subplots(1, 2, sharey=True, width_ratios=(3, 2))
     heights, colours = range(len(rows)), [VERDICT_COLOURS.get(row.verdict, PALE) for row in rows]
+
+    def draw(axes: "Axes", first: float, widths: list[float], labels: list[str], what: str) -> None:
+        bars = axes.barh(heights, widths, left=first, height=0.6, color=colours)
+        axes.bar_label(bars, labels, padding=4.0, fontsize=8, bbox=PAPER)
+        axes.set_xlabel(what, fontsize=9)
+        finish_axes(axes, axis="x", alpha=0.3, linewidth=0.4)
+        axes.tick_params(labelsize=8)
+
     lengths = [_length(row) / size for row in rows]
     limits = [length for length in (*lengths, ranking.error or 0.0) if length > 0.0] or [1.0]
     floor = 10.0 ** (math.floor(math.log10(min(*limits, 1.0))) - 0.5)
     widths = [max(length - floor, 0.0) for length in lengths]
-    bars = left.barh(heights, widths, left=floor, height=0.6, color=colours)
-    left.bar_label(bars, map(_label, rows, lengths), padding=4.0, fontsize=8, bbox=PAPER)
+    title = "relative change of the quantity without it"
+    draw(left, floor, widths, [*map(_label, rows, lengths)], title)
     left.set_xscale("log")
     left.set_xlim(floor, 40.0 * max(*limits, 10.0 * floor))
-    left.set_xlabel("relative change of the quantity without it", fontsize=9)
     if ranking.error is not None:
         left.axvline(ranking.error, color=DARK, linewidth=1.0, linestyle="--")
         left.annotate(
@@ -58,19 +75,15 @@ def draw_ranking(ranking: Matters) -> "Figure":
             xycoords=("data", "axes fraction"), textcoords="offset points",
         )  # fmt: skip
     shares = [row.time_share for row in rows]
-    bars = right.barh(heights, [100.0 * (x or 0.0) for x in shares], height=0.6, color=colours)
     labels = ["" if share is None else f"{share:.0%}" for share in shares]
-    right.bar_label(bars, labels, padding=3.0, fontsize=8)
+    saved = [100.0 * (share or 0.0) for share in shares]
+    draw(right, 0.0, saved, labels, "time saved without it, % of the full run")
     right.axvline(0.0, color=PALE, linewidth=0.8)
     right.margins(x=0.25)  # for the numbers
-    right.set_xlabel("time saved without it, % of the full run", fontsize=9)
     left.set_yticks(heights, [row.title for row in rows])
     left.set_ylim(len(rows) - 0.4, -0.6)
     title = f"{ranking.model}/{ranking.scene}: {ranking.quantity} = {ranking.value:.6g}"
     drawn.suptitle(f"{title} {ranking.unit}".rstrip(), fontsize=11)
-    for axes in (left, right):
-        finish_axes(axes, axis="x", alpha=0.3, linewidth=0.4)
-        axes.tick_params(labelsize=8)
     return drawn
 
 
@@ -112,6 +125,33 @@ def save_diagram(study: WorkPrecision, folder: Path) -> tuple[Path, Path]:
         temporary.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
     save_picture(picture, runs.with_suffix(".png"))
     return runs, runs.with_suffix(".png")
+
+
+def records(study: WorkPrecision) -> Iterator[dict[str, Any]]:
+    """One mapping per run, per refused setting, and per modelling choice."""
+    names = ("model", "scene", "model_sha256", "t_start", "t_end", "instants", "environment")
+    reference = study.reference
+    common = {name: getattr(study, name) for name in names} | {
+        "artefact_sha256": study.artefact, "energy_against": study.energy,
+        "scales": {scale.name: scale.value for scale in study.quantities},
+        "reference": reference.source, "independent": reference.independent,
+        "floor": reference.floor, "choice": "",
+    }  # fmt: skip
+    runs: list[tuple[Setting, Point | None, str, dict[str, Any]]] = [
+        (line.setting, x, line.refused, {"slope": slope(line), "effectivity": effectivity(line)})
+        for line in study.lines
+        for x in line.points or (None,)
+    ]
+    for one in study.choices:
+        about = {"scene_run": one.scene, "choice": one.title}
+        runs.append((one.setting or Setting(""), one.point, one.reason, about))
+    sizes = {scale.name: scale.value for scale in study.quantities if scale.group == "positions"}
+    for setting, point, reason, about in runs:
+        run: dict[str, Any] = {"outcome": "REFUSED", "message": reason}
+        if point is not None:
+            atol = {name: point.rtol * min(1.0, size) for name, size in sizes.items()}
+            run = {**asdict(point), "atol": atol, "digits": point.digits}
+        yield plain({**common, **asdict(setting), **about, **run})
 
 
 def draw_diagram(study: WorkPrecision) -> "Figure":

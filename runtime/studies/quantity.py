@@ -132,9 +132,16 @@ class Quantity(NamedTuple):
 
     def read(self, result: Result) -> QuantityValue:
         """The value in a result; InputError where it has none."""
-        if self.function is not None:
-            return _call(self.text, self.function, result)
-        return (_event if self.word in EVENTS else _reduce)(self, result)
+        if self.function is None:
+            return (_event if self.word in EVENTS else _reduce)(self, result)
+        value = self.function(result)
+        number = finite_float(int(value) if isinstance(value, bool | np.bool_) else value)
+        if number is None:
+            raise InputError(
+                f"{result.description.title}: {self.text} returns {value!r}; it must return a "
+                "finite number."
+            )
+        return QuantityValue(number, "", abs(number))
 
 
 def parse_quantity(given: str | Function) -> Quantity:
@@ -168,19 +175,9 @@ def declared_unit(given: str, description: Description) -> str:
     """
     quantity = parse_quantity(given)
     if quantity.word in EVENTS:
-        _require_events(description, quantity.name)
+        _changes(description, quantity.name)
         return "s" if quantity.word == "event" else ""
     return REDUCTIONS[quantity.word].unit.format(description.series.find(quantity.name).unit)
-
-
-def _call(name: str, function: Function, result: Result) -> QuantityValue:
-    value = function(result)
-    number = finite_float(int(value) if isinstance(value, bool | np.bool_) else value)
-    if number is None:
-        raise InputError(
-            f"{result.description.title}: {name} returns {value!r}; it must return a finite number."
-        )
-    return QuantityValue(number, "", abs(number))
 
 
 def _reduce(quantity: Quantity, result: Result) -> QuantityValue:
@@ -204,25 +201,21 @@ def jumps(result: Result) -> FloatArray:
     return np.array([*(event.time for event in result.events), *changes])
 
 
-def _with_events(description: Description) -> list[str]:
-    """Names of the joints and conditions whose coming and going are events."""
+def _changes(description: Description, effect: str) -> bool:
+    """Whether its events are the coming and going of a joint or condition; refuse one without."""
     rows = [row for row in description.watched if row.action != "sample"]
-    return [row.target if row.reconnects else row.name for row in rows]
-
-
-def _require_events(description: Description, effect: str) -> None:
-    """Refuse an effect without events."""
-    names = dict.fromkeys([*description.switches.names, *_with_events(description)])
+    changing = [row.target if row.reconnects else row.name for row in rows]
+    names = dict.fromkeys([*description.switches.names, *changing])
     if effect not in names:
         text = unknown("effect with events", effect, names)
         raise UnknownNameError(f"{description.title}: {text}")
+    return effect in changing
 
 
 def _event(quantity: Quantity, result: Result) -> QuantityValue:
     description, effect, number = result.description, quantity.name, quantity.number
-    _require_events(description, effect)
     times = [event.time for event in result.events if event.element == effect]
-    if effect in _with_events(description):  # beside events of the parts of its condition
+    if _changes(description, effect):  # beside events of the parts of its condition
         times = [change.time for change in result.reconnections if change.joint == effect]
         times += [float(result.t[-1])] if result.ended_by == effect else []
     count = len(times)

@@ -2,23 +2,22 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from enum import StrEnum
-from itertools import chain
 from operator import attrgetter, sub
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from codegen.object_display import html_of, html_table
 from codegen.presentation import new_table, shortened
 from codegen.readers.calls import checked_class
-from runtime.results.samples import plain
-from runtime.studies.harness import titled
+from runtime.studies.answer import Answer, titled
+from runtime.studies.harness import LEFT_OUT
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.table import Table
 
 _LONGEST_REASON = 200  # characters
+_COUNTS = attrgetter("accelerations", "operations", "steps", "events")
 
 
 class Verdict(StrEnum):
@@ -54,19 +53,25 @@ class Row:
     kind: str
     word: str  # the fidelity; "none" if it is left out
     scene: str  # that was run
-    value: float | None  # the quantity; None where there is none
-    change: float | None  # from the full scene, in the quantity's unit
-    relative: float | None  # |change| over the quantity's size
-    doubt: float  # uncertainty of the change, in the quantity's unit
-    costs: Costs | None  # of the run; None where it failed
-    time_share: float | None  # of the full run's time that is saved; negative where it is longer
     verdict: Verdict
-    reason: str = ""  # why it is needed or impossible, in a sentence
+    reason: str = ""  # why it is needed or impossible, in a sentence; no numbers follow
+    value: float | None = None  # of the quantity
+    change: float | None = None  # from the full scene, in the quantity's unit
+    relative: float | None = None  # |change| over the quantity's size
+    doubt: float = 0.0  # uncertainty of the change, in the quantity's unit
+    costs: Costs | None = None  # of the run
+    time_share: float | None = None  # of the full run that is saved; negative where it is longer
 
     @property
     def title(self) -> str:
         """``gas``, or ``rod as link``."""
-        return self.name if self.word == "none" else f"{self.name} as {self.word}"
+        return self.name if self.word == LEFT_OUT else f"{self.name} as {self.word}"
+
+    @property
+    def rank(self) -> tuple[bool, bool, float]:
+        """Needed and impossible first, then by change; changes below their uncertainty last."""
+        unseen = self.verdict is Verdict.NONE_SEEN
+        return self.change is not None, unseen, -(self.relative or 0.0)
 
 
 @dataclass(frozen=True)
@@ -87,8 +92,8 @@ class Proposal:
 
 
 @checked_class
-@dataclass(frozen=True)
-class Matters:
+@dataclass(frozen=True, repr=False)
+class Matters(Answer):
     """The effects of a scene, those first that change a quantity most.
 
     Attributes
@@ -122,10 +127,6 @@ class Matters:
         """The row of an effect, or of ``"rod as link"``."""
         return titled("effect", {row.title: row for row in self.rows}, title)
 
-    def facts(self) -> dict[str, Any]:
-        """All fields, as JSON; a number that is not finite is null."""
-        return dict(plain(asdict(self)))
-
     def plot(self) -> "Figure":
         """Draw what each effect changes, and its share of the time.
 
@@ -144,96 +145,75 @@ class Matters:
         value = f"{self.value:.7g} {self.unit}".rstrip()
         return f"{self.model}/{self.scene}, {self.analysis}: {self.quantity} = {value}"
 
-    def __repr__(self) -> str:
-        """The quantity, and a sentence an effect."""
-        return "\n  ".join((self.title, *sentences(self)))
+    def tables(self) -> "tuple[Table]":
+        """The full scene; change and saving without each effect; the same of the proposal."""
 
-    def _repr_html_(self) -> str:
-        """The same with its table, for notebooks."""
-        return html_of(repr(self), html_table(HEAD, chain(*table_sections(self))))
+        def savings(of: Row | Proposal) -> tuple[object, ...]:
+            if of.costs is None:
+                return ("",) * 5
+            return *map(sub, _COUNTS(full), _COUNTS(of.costs)), f"{of.time_share:.0%}"
 
+        full, proposal, rows = self.costs, self.proposal, list[tuple[object, ...]]()
+        first = ("nothing", "", "", *_COUNTS(full), f"{1e3 * full.seconds:.3g} ms", "")
+        last = list[tuple[object, ...]]()
+        for row in self.rows:
+            change = "" if row.change is None else f"{row.change:+.3g}", percent(row.relative)
+            if row.verdict is Verdict.NONE_SEEN:
+                change = f"< {row.doubt:.1g}", ""
+            rows.append((row.title, *change, *savings(row), row.verdict))
+        if proposal is not None and proposal.left_out:
+            change = f"{proposal.value - self.value:+.3g}", percent(proposal.relative)
+            last.append(("proposed", *change, *savings(proposal), "within error"))
+        caption = (
+            "acc., all: operations of the kernel accelerations and of all kernels; the first row "
+            "is the full scene, the others the saving"
+        )
+        head = ("without", "change", "relative", "acc.", "all", "steps", "events", "time",
+                "verdict")  # fmt: skip
+        return (new_table(self.title, caption, head, [first], rows, last, least=9),)
 
-HEAD = ("without", "change", "relative", "acc.", "all", "steps", "events", "time", "verdict")
-CAPTION = (
-    "acc., all: operations of the kernel accelerations and of all kernels; the first row is the "
-    "full scene, the others the saving"
-)
-_COUNTS = attrgetter("accelerations", "operations", "steps", "events")
+    def sentences(self, *, whole: bool = False) -> Iterator[str]:
+        """Uncertainty, influence and cost of each effect, the proposal, notes."""
+        share = f" ({self.doubt / self.size:.1e} of its size)" if self.size else ""
+        doubt = f"{self.doubt:.1e} {self.unit}".rstrip()
+        yield f"{self.quantity} is known to {doubt}{share}."
+        for row in self.rows:
+            if row.time_share is None:
+                reason = row.reason if whole else shortened(row.reason, _LONGEST_REASON)
+                yield f"{row.title} is {row.verdict}: {reason}"
+            else:
+                yield self._influence(row, row.time_share)
+        if self.proposal is not None:
+            yield from self._proposal(self.proposal)
+        yield from self.notes
 
+    def _influence(self, row: Row, share: float) -> str:
+        limit = percent(row.doubt / self.size) if self.size else f"{row.doubt:.1e}"
+        change = percent(row.relative)
+        if row.verdict is Verdict.NONE_SEEN:
+            change = f"less than its uncertainty ({limit})"
+        effect = f"{row.title} changes {self.quantity} by {change}"
+        if row.word != LEFT_OUT:
+            return f"{effect} and {_saving(share)}"
+        if share >= 0.0:
+            return f"{effect} and costs {share:.0%} of the time"
+        return f"{effect}; without it the run {_saving(share)}"
 
-def ranking_table(ranking: Matters) -> "Table":
-    """The table for a terminal."""
-    return new_table(ranking.title, CAPTION, HEAD, *table_sections(ranking), least=9)
-
-
-def table_sections(ranking: Matters) -> Iterator[list[tuple[object, ...]]]:
-    """The full scene; the change and the saving without each effect; the same of the proposal."""
-    full, proposal = ranking.costs, ranking.proposal
-    yield [("nothing", "", "", *_COUNTS(full), f"{1e3 * full.seconds:.3g} ms", "")]
-    yield [(row.title, *_row_cells(full, row), row.verdict) for row in ranking.rows]
-    if proposal is not None and proposal.left_out:
-        change = f"{proposal.value - ranking.value:+.3g}", percent(proposal.relative)
-        savings = _savings(full, proposal.costs, proposal.time_share)
-        yield [("proposed", *change, *savings, "within error")]
-
-
-def _row_cells(full: Costs, row: Row) -> tuple[object, ...]:
-    """Change and savings; empty where there is no run."""
-    if row.change is None or row.costs is None or row.time_share is None:
-        return ("",) * 7
-    change = f"{row.change:+.3g}", percent(row.relative)
-    if row.verdict is Verdict.NONE_SEEN:
-        change = f"< {row.doubt:.1g}", ""
-    return (*change, *_savings(full, row.costs, row.time_share))
-
-
-def _savings(full: Costs, costs: Costs, share: float) -> tuple[object, ...]:
-    return (*map(sub, _COUNTS(full), _COUNTS(costs)), f"{share:.0%}")
-
-
-def sentences(ranking: Matters) -> Iterator[str]:
-    """Uncertainty, influence and cost of each effect, the proposal, notes."""
-    share = f" ({ranking.doubt / ranking.size:.1e} of its size)" if ranking.size else ""
-    doubt = f"{ranking.doubt:.1e} {ranking.unit}".rstrip()
-    yield f"{ranking.quantity} is known to {doubt}{share}."
-    for row in ranking.rows:
-        yield _sentence(ranking, row)
-    if ranking.proposal is not None:
-        yield from _proposal(ranking, ranking.proposal)
-    yield from ranking.notes
-
-
-def _sentence(ranking: Matters, row: Row) -> str:
-    if row.change is None:
-        return f"{row.title} is {row.verdict}: {shortened(row.reason, _LONGEST_REASON)}"
-    share = row.time_share or 0.0
-    if row.verdict is Verdict.NONE_SEEN:
-        limit = percent(row.doubt / ranking.size) if ranking.size else f"{row.doubt:.1e}"
-        effect = f"changes {ranking.quantity} by less than its uncertainty ({limit})"
-    else:
-        effect = f"changes {ranking.quantity} by {percent(row.relative)}"
-    if row.word != "none":
-        return f"{row.title} {effect} and {_saving(share)}"
-    if share >= 0.0:
-        return f"{row.title} {effect} and costs {share:.0%} of the time"
-    return f"{row.title} {effect}; without it the run takes {-share:.0%} more time"
-
-
-def _proposal(ranking: Matters, proposal: Proposal) -> Iterator[str]:
-    for titles, relative in proposal.tried:
-        if titles != proposal.left_out:
-            fate = "does not work" if relative is None else f"changes it by {percent(relative)}"
-            yield f"together, {', '.join(titles)}: {fate}, beyond {ranking.error:g}"
-    for title in proposal.put_back:
-        yield f"{title} is negligible alone but not together with the others, so it is put back"
-    if not proposal.left_out:
-        yield f"nothing can be left out within an error of {ranking.error:g}"
-        return
-    yield (
-        f"proposed for an error of {ranking.error:g}: {proposal.spelled}; when run, it changes "
-        f"{ranking.quantity} by {percent(proposal.relative)} (known to "
-        f"{percent(proposal.doubt)}) and {_saving(proposal.time_share)}"
-    )
+    def _proposal(self, proposal: Proposal) -> Iterator[str]:
+        for titles, relative in proposal.tried:
+            if titles != proposal.left_out:
+                fate = "does not work" if relative is None else f"changes it by {percent(relative)}"
+                yield f"together, {', '.join(titles)}: {fate}, beyond {self.error:g}"
+        for title in proposal.put_back:
+            yield f"{title} is negligible alone but not together with the others, so it is put back"
+        if not proposal.left_out:
+            yield f"nothing can be left out within an error of {self.error:g}"
+            return
+        yield (
+            f"proposed for an error of {self.error:g}: {proposal.spelled}; when run, it changes "
+            f"{self.quantity} by {percent(proposal.relative)} (known to "
+            f"{percent(proposal.doubt)}) and {_saving(proposal.time_share)}"
+        )
 
 
 def _saving(share: float) -> str:

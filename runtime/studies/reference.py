@@ -6,9 +6,9 @@ chance in the worst of hundreds of instants. A file is confirmed in the same way
 to another machine.
 """
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
@@ -32,7 +32,7 @@ from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
 from runtime.mechanism.module_tables import Description
 from runtime.results.result import Result
 from runtime.studies.diagram import Check, Reference
-from runtime.studies.harness import Runner, Setting, outcome_name
+from runtime.studies.harness import Report, Runner, Setting, outcome_name
 
 TIGHTEST = 1e-13  # accuracy: rtol of reference runs; the compared runs stay a digit away
 LIMIT_FACTOR = 6.0  # safety: times the time limit of a run that a reference run may take
@@ -67,16 +67,17 @@ def default_quantities(description: Description) -> tuple[str, ...]:
 
 def series_of(description: Description, quantities: Sequence[str]) -> list[str]:
     """The series of the quantities: of names with ``|`` the first that exists, or InputError."""
-    table = description.series
-    choices = [[name.strip() for name in text.split(OR)] for text in quantities]
-    found = [next(filter(None, map(table.get, names)), None) for names in choices]
-    if None in found:
-        raise InputError(
-            f"{description.title}: {table.unknown(names[0])}"
-            for names, row in zip(choices, found, strict=True)
-            if row is None
-        )
-    return [row.name for row in found if row is not None]
+    table, found, problems = description.series, list[str](), list[str]()
+    for text in quantities:
+        names = [name.strip() for name in text.split(OR)]
+        row = next(filter(None, map(table.get, names)), None)
+        if row is None:
+            problems.append(f"{description.title}: {table.unknown(names[0])}")
+        else:
+            found.append(row.name)
+    if problems:
+        raise InputError(problems)
+    return found
 
 
 class ReferenceFile(NamedTuple):
@@ -138,26 +139,50 @@ def read_reference(
     return ReferenceFile(path, names, numbers[:, 0].copy(), numbers[:, 1:].copy())
 
 
-@dataclass(frozen=True)
-class Compared:
-    """The quantities and the instants at which runs are compared."""
+class ReferenceSolution:
+    """What runs are compared with: quantities of a file or of a run, at the instants of that run.
 
-    names: tuple[str, ...]  # of the quantities, as the user spelled them
-    t: FloatArray  # s, (k,); where a condition ended the reference, the last is that end
-    start: float  # s
-    instants: dict[str, float]  # own ones of the reference, s
-    from_file: bool  # whether the user's file has the reference, and says nothing of own instants
+    The run is there also beside a file, which says nothing of own instants.
+    """
 
-    @property
-    def own(self) -> tuple[str, ...]:
-        """The names of own instants that are quantities."""
-        return () if self.from_file else tuple(self.instants)
+    about: Reference
+
+    def __init__(
+        self, runner: Runner, run: Result, names: Sequence[str], file: ReferenceFile | None = None
+    ) -> None:  # fmt: skip
+        self.names, self.file, self.start = tuple(names), file, runner.begin.t
+        self.t, last = runner.instants, float(run.t[-1])  # s, (k,)
+        if run.ended_by:  # by a condition: the end of the run is the last instant
+            self.t = np.append(self.t[self.t < last], [] if file else [last])
+        self.instants = own_instants(run)
+        self.own = () if file else tuple(self.instants)  # those that are quantities
+        self.computed = self.values(run)  # of the quantities, (k, j)
+        self.reference = file.values[: len(self.t)] if file else self.computed
+        about = run.description
+        parameters = runner.machine.parameter_values(runner.words.get("parameters"))
+        equations = Equations(runner.machine.mechanism, parameters)
+        sizes = magnitudes(equations, runner.begin.t, runner.begin.q)
+        series = series_of(about, self.names)
+        self.scales = scales(
+            series, [run.series(name)[1] for name in series], about, sizes,
+            self.reference[:, : len(series)], [group_magnitude(run, name) for name in series],
+        )  # fmt: skip
+        self.scales += tuple(Scale(name, "s", "others", last - self.start) for name in self.own)
+        # divisors of the residuals of positions and of velocities
+        self.length = float(sizes[about.is_length].max(initial=0.0)) or 1.0
+        self.speed = float(np.abs(run.samples.v).max()) or 1.0
+        # "start" where energy is conserved, "reference" where it changes, "" without any
+        energy, self.energy = run.samples.energy, ""
+        self.total = energy.sum(axis=1)[self.rows(run)]  # J, (k,)
+        if len(self.total) and np.isfinite(self.total).all():
+            conserved = float(np.ptp(self.total)) <= _CONSERVED * float(np.abs(energy).max())
+            self.energy = "start" if conserved and not about.drivers else "reference"
 
     def rows(self, result: Result) -> list[int]:
         """The rows of another run with the same ways, (k,); behind its end that of its end."""
         last = len(result.t) - 1
         rows: list[int] = np.minimum(np.searchsorted(result.t, self.t), last).tolist()
-        if not self.from_file and result.ended_by:
+        if not self.file and result.ended_by:
             rows[-1:] = [last]
         return rows
 
@@ -175,29 +200,15 @@ class Compared:
             return ""
         return f"Its own instants are {ways[0]}, and those of the reference {ways[1]}."
 
-
-@dataclass(frozen=True)
-class ReferenceSolution:
-    """The solution with which runs are compared."""
-
-    compared: Compared
-    values: FloatArray  # of the quantities, (k, j)
-    scales: tuple[Scale, ...]  # of their errors
-    total: FloatArray  # energy in J, (k,)
-    energy: str  # "start" where energy is conserved, "reference" where it changes, "" without any
-    length: float  # divisor of the residuals of positions
-    speed: float  # the same of velocities
-    about: Reference
-
-    def errors(self, result: Result) -> Errors:
-        """The errors of a run."""
-        return errors(self.compared.values(result), self.values, self.scales)
+    def errors(self, values: FloatArray) -> Errors:
+        """The errors of the values of a run."""
+        return errors(values, self.reference, self.scales)
 
     def energy_error(self, result: Result) -> float | None:
         """Largest error of the energy over the largest magnitude of it and its parts."""
         if not self.energy:
             return None
-        total = result.samples.energy.sum(axis=1)[self.compared.rows(result)]
+        total = result.samples.energy.sum(axis=1)[self.rows(result)]
         expected = self.total[0] if self.energy == "start" else self.total
         size = max(float(np.abs(result.samples.energy).max()), float(np.abs(self.total).max()))
         return float(np.abs(total - expected).max()) / size if size > 0.0 else 0.0
@@ -205,7 +216,7 @@ class ReferenceSolution:
 
 def find_reference(
     runner: Runner, names: Sequence[str], file: ReferenceFile | None,
-    progress: Callable[[str], None], settings: Sequence[Setting],
+    progress: Report, settings: Sequence[Setting],
 ) -> ReferenceSolution:  # fmt: skip
     """The reference, from the user's file or from a run, confirmed.
 
@@ -215,100 +226,52 @@ def find_reference(
     or a quantity has no value.
     """
     runner = replace(runner, limit=LIMIT_FACTOR * runner.limit, steps=_STEPS_FACTOR * runner.steps)
-    built = {setting.companion for setting in settings}
-    end, failures = runner.instants[-1], list[str]()
-    runs = _completed_runs(runner, _built_first(_FIRST, built), failures, progress)
-    setting, best = next(runs, (None, None))
-    if setting is None or best is None:
+    built, end = {setting.companion for setting in settings}, runner.instants[-1]
+    failures = list[str]()
+
+    def completed(among: Sequence[Setting]) -> Iterator[tuple[Setting, str, Result]]:
+        """Runs at the tightest tolerance that reach their end; those first that are built."""
+        ready = [setting for setting in among if setting.companion in {"", *built}]
+        rest = [one for one in among if one not in ready and one.formulation != "reduced"]
+        for setting in ready + rest:
+            progress(f"{runner.title}: reference, {setting.title}")
+            try:
+                result = runner.run(setting, TIGHTEST)
+            except LinkwrightError as error:
+                failures.append(f"{setting.title}: {error}")
+                continue
+            if result.failed:
+                failures.append(f"{setting.title}: {outcome_name(result)}")
+            else:
+                yield setting, f"{setting.title}, rtol {TIGHTEST:g}", result
+
+    first = next(completed(_FIRST), None)
+    if first is None:
         raise LinkwrightError(
             f"{runner.title}: no run at rtol {TIGHTEST:g} reaches t = {end:g} s, so there is no "
             f"reference: {'; '.join(failures)}."
         )
-    t, last = runner.instants, float(best.t[-1])
-    if best.ended_by:
-        t = np.append(t[t < last], [] if file else [last])
-    compared = Compared(tuple(names), t, runner.begin.t, own_instants(best), file is not None)
-    computed = compared.values(best)
-    require_numbers(best.description, names, computed)
-    source = f"{setting.title}, rtol {TIGHTEST:g}"
-    others = [(source, computed)] if file else []
+    setting, source, best = first
+    found = ReferenceSolution(runner, best, names, file)
+    require_numbers(best.description, names, found.computed)
+    others = dict[str, FloatArray]({source: found.computed} if file else {})
     # Runs by other methods confirm it: two, but only one where a second would have to be built.
-    candidates = _built_first([other for other in _OTHERS if other.method != setting.method], built)
-    confirming = _completed_runs(runner, candidates, [], progress)
-    agreeing = ((one, run) for one, run in confirming if not compared.difference(run))
-    for other, result in islice(agreeing, 2 if "tangents" in built else 1):
-        others.append((f"{other.title}, rtol {TIGHTEST:g}", compared.values(result)))
+    confirming = completed([other for other in _OTHERS if other.method != setting.method])
+    agreeing = ((title, run) for _, title, run in confirming if not found.difference(run))
+    for title, run in islice(agreeing, 2 if "tangents" in built else 1):
+        others[title] = found.values(run)
     if not others:
         raise LinkwrightError(
             f"{runner.title}: only {source} reaches t = {end:g} s, and a run alone is no "
             "reference. Ask for a shorter run, raise the limit, or give --reference."
         )
-    values = file.values[: len(t)] if file else computed
-    parameters = runner.machine.parameter_values(runner.words.get("parameters"))
-    sizes = magnitudes(
-        Equations(runner.machine.mechanism, parameters), runner.begin.t, runner.begin.q
-    )
-    by = _scales(best, compared, sizes, values)
-    differences = [errors(run, values, by).worst for _, run in others]
-    nearest = int(np.argmin(differences))
-    gaps = scaled_errors(others[nearest][1], values, np.array([scale.value for scale in by]))
-    doubtful = t[gaps.max(axis=1) > DOUBTFUL]
-    about = Reference(
-        str(file.path) if file else source, independent=file is not None,
-        checks=tuple(Check(run, e) for (run, _), e in zip(others, differences, strict=True)),
-        floor=max(differences[nearest], _ROUNDING),
-        horizon=float(doubtful[0]) if len(doubtful) else None,
+    checks = [Check(title, found.errors(values).worst) for title, values in others.items()]
+    nearest = min(checks, key=lambda check: check.error)
+    sizes = np.array([scale.value for scale in found.scales])
+    gaps = scaled_errors(others[nearest.title], found.reference, sizes)
+    doubtful = found.t[gaps.max(axis=1) > DOUBTFUL].tolist()
+    found.about = Reference(
+        str(file.path) if file else source, independent=file is not None, checks=tuple(checks),
+        floor=max(nearest.error, _ROUNDING), horizon=doubtful[0] if doubtful else None,
     )  # fmt: skip
-    total, kind = _energy(best, compared)
-    lengths = sizes[best.description.is_length]
-    return ReferenceSolution(
-        compared, values, by, total, kind, length=float(lengths.max(initial=0.0)) or 1.0,
-        speed=float(np.abs(best.samples.v).max()) or 1.0, about=about,
-    )  # fmt: skip
-
-
-def _scales(
-    best: Result, compared: Compared, sizes: FloatArray, values: FloatArray
-) -> tuple[Scale, ...]:
-    """The scales of quantities and of own instants, whose size is the time of the run."""
-    series = series_of(best.description, compared.names)
-    units = [best.series(name)[1] for name in series]
-    whole = [group_magnitude(best, name) for name in series]
-    by = scales(series, units, best.description, sizes, values[:, : len(series)], whole)
-    span = float(best.t[-1]) - compared.start
-    return by + tuple(Scale(name, "s", "others", span) for name in compared.own)
-
-
-def _completed_runs(
-    runner: Runner, settings: Sequence[Setting], failures: list[str],
-    progress: Callable[[str], None],
-) -> Iterator[tuple[Setting, Result]]:  # fmt: skip
-    """Runs at the tightest tolerance that reach their end, one after the other."""
-    for setting in settings:
-        progress(f"{runner.title}: reference, {setting.title}")
-        try:
-            result = runner.run(setting, TIGHTEST)
-        except LinkwrightError as error:
-            failures.append(f"{setting.title}: {error}")
-            continue
-        if result.failed:
-            failures.append(f"{setting.title}: {outcome_name(result)}")
-        else:
-            yield setting, result
-
-
-def _built_first(settings: Sequence[Setting], built: Collection[str]) -> list[Setting]:
-    """First the settings whose companion modules are built, then others in all coordinates."""
-    ready = [setting for setting in settings if setting.companion in {"", *built}]
-    rest = [s for s in settings if s not in ready and s.formulation != "reduced"]
-    return ready + rest
-
-
-def _energy(best: Result, compared: Compared) -> tuple[FloatArray, str]:
-    """Total energy along the reference; whether runs are compared with it or with its start."""
-    energy, drivers = best.samples.energy, best.description.drivers
-    total = energy.sum(axis=1)[compared.rows(best)]
-    if not np.isfinite(total).all() or not len(total):
-        return total, ""
-    conserved = float(np.ptp(total)) <= _CONSERVED * float(np.abs(energy).max())
-    return total, "start" if conserved and not drivers else "reference"
+    return found

@@ -2,7 +2,7 @@
 
 import hashlib
 import sys
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from os import PathLike
@@ -17,15 +17,24 @@ import numpy as np
 from codegen.errors import AnalysisError, LinkwrightError, SceneError
 from codegen.readers import arguments as readers
 from codegen.readers.values import KindError
+from runtime.dynamics.formulations import FORMULATIONS
 from runtime.integrate.method import METHODS
 from runtime.machine_facade import Machine
 from runtime.mechanism.dense_equations import FloatArray
+from runtime.mechanism.mechanism import Values
 from runtime.mechanism.table_rows import unknown
 from runtime.results.result import Result
 from runtime.studies import harness
-from runtime.studies.conclusions import fastest
-from runtime.studies.diagram import Choice, Line, Point, WorkPrecision
-from runtime.studies.harness import FORMULATIONS, TIME, TIMEOUT, Runner, Setting, outcome_name
+from runtime.studies.diagram import Choice, Line, Point, WorkPrecision, fastest
+from runtime.studies.harness import (
+    TIME,
+    TIMEOUT,
+    Place,
+    Report,
+    Runner,
+    Setting,
+    outcome_name,
+)
 from runtime.studies.reference import (
     LIMIT_FACTOR,
     TIGHTEST,
@@ -36,7 +45,6 @@ from runtime.studies.reference import (
     read_reference,
     series_of,
 )
-from runtime.studies.timing import environment, time_runs
 from runtime.validation.scene_support import refuse_massless, require_motion
 
 if TYPE_CHECKING:
@@ -55,27 +63,27 @@ CHOICE_RTOLS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
 _MODEL_ERROR = 0.1  # accuracy: share by which a run's error may differ from the tightest run's
 
 
-def _names_of(thing: str, known: Sequence[str]) -> readers.Reader:
-    """Names of methods or formulations that there are, one at least."""
+def _some(thing: str, reader: readers.Reader, known: Sequence[str] = ()) -> readers.Reader:
+    """What `reader` reads, one at least, and of the known names where there are any."""
 
-    def read(value: Any) -> tuple[str, ...]:
-        names: tuple[str, ...] = readers.texts(f'("{known[0]}",)')(value)
-        problems = [unknown(thing, name, known) for name in names if name not in known]
-        if problems or not names:
+    def read(value: Any) -> tuple[Any, ...]:
+        found = tuple(reader(value))
+        problems = [unknown(thing, one, known) for one in found if known and one not in known]
+        if problems or not found:
             raise KindError(" ".join(problems) or f"there is no {thing} to try; name one.")
-        return names
+        return found
 
     return read
 
 
 @readers.reads(**harness.READERS | {
     "quantities": readers.texts('("crank.phi",)'), "reference": readers.optional(readers.path),
-    "methods": _names_of("method", METHODS),
-    "formulations": _names_of("formulation", FORMULATIONS),
-    "rtols": readers.optional(readers.several(
+    "methods": _some("method", readers.texts('("dop853",)'), METHODS),
+    "formulations": _some("formulation", readers.texts('("reduced",)'), FORMULATIONS),
+    "rtols": readers.optional(_some("tolerance", readers.several(
         readers.number("a number", above=LEAST_RTOL, below=0.1, closed=True),
         f"numbers from {LEAST_RTOL:g} to 0.1, so that the reference, at {TIGHTEST:g}, is better",
-    )),
+    ))),
     "beside": readers.several(readers.scene, "a sequence of scenes, by name or as a Scene"),
     "building": readers.optional(readers.flag), "points": readers.count(2),
     "limit": readers.number("a positive time in s", above=0.0), "steps": readers.count(1),
@@ -86,13 +94,12 @@ def accuracy(
     model: "str | PathLike[str] | Model", scene: "str | Scene | None" = None, *,
     quantities: Sequence[str] = (), t_end: float | None = None, t_start: float = 0.0,
     methods: Sequence[str] = METHODS, formulations: Sequence[str] = FORMULATIONS,
-    rtols: Sequence[float] | None = None, points: int = 200,
-    reference: str | PathLike[str] | None = None, modelling: bool = True,
-    beside: "Sequence[str | Scene]" = (), building: bool | None = None, quick: bool = False,
-    limit: float = 10.0, steps: int = 1_000_000, parameters: Mapping[str, float] | None = None,
-    guess: Mapping[str, float] | None = None, start: Mapping[str, float] | None = None,
-    folder: str | PathLike[str] | None = None, generated: str | PathLike[str] | None = None,
-    progress: Callable[[str], None] = lambda line: None, **run: Any,
+    rtols: Sequence[float] | None = None, points: int = 200, reference: Place | None = None,
+    modelling: bool = True, beside: "Sequence[str | Scene]" = (), building: bool | None = None,
+    quick: bool = False, limit: float = 10.0, steps: int = 1_000_000,
+    parameters: Values | None = None, guess: Values | None = None, start: Values | None = None,
+    folder: Place | None = None, generated: Place | None = None,
+    progress: Report = lambda line: None, **run: Any,
 ) -> WorkPrecision:  # fmt: skip
     """The work-precision diagram of a scene: digits against time, by every method.
 
@@ -138,12 +145,22 @@ def accuracy(
     LinkwrightError
         If no reference can be computed.
     """
+    from codegen.reading.scene_selection import declared, variants
+
     further = () if rtols or quick else FURTHER
     rtols = rtols or (QUICK if quick else RTOLS)
     source = harness.read_source(model, scene, folder, generated)
     machine = source.machine()
     names, instants, file = _comparison(machine, quantities, reference, t_start, t_end, points)
-    others = _other_models(source, modelling, beside)
+    # Scenes of the same machine: other fidelities of things that have several, and those named.
+    changes = variants(source.model, source.scene) if modelling else ()
+    others = [
+        (change.title, change.kind, change.of(source.scene))
+        for change in changes
+        if change.word != harness.LEFT_OUT
+    ]
+    named = [declared(source.model, one)[1] for one in beside]
+    others += [(scene.name, "scene", scene) for scene in named]
     words = harness.read_simulation_arguments(machine, run) | {"parameters": parameters}
     values = {"parameters": parameters, "guess": guess, "start": start}
     runner = Runner(machine, machine.assemble(**values, t=t_start), instants, limit, steps, words)
@@ -166,7 +183,7 @@ def accuracy(
     once = [line for line in lines if line.setting.correction == "step"]
     best = fastest(once, 1e-6) or fastest(once, 1e-3)
     # Those that most scenes take follow the fastest setting of the declared one.
-    taken = [*([best.line.setting] if best else []), Setting("dop853"), Setting("auto")]
+    taken = dict.fromkeys([*([best.setting] if best else []), Setting("dop853"), Setting("auto")])
 
     def prepare(scene: "Scene") -> Runner:
         other = source.machine(scene)
@@ -175,23 +192,23 @@ def accuracy(
         begin = other.assemble(parameters=words.get("parameters"), t=t_start, **given)
         return replace(runner, machine=other, begin=begin, words=words)
 
-    t = solution.compared.t
+    sources = machine.description.sources
     return WorkPrecision(
         model=machine.model, scene=machine.scene, t_start=float(runner.begin.t),
-        t_end=float(t[-1]), instants=len(t), quantities=solution.scales, energy=solution.energy,
-        limit=limit, steps=steps, lines=lines, build=costs, environment=environment(),
+        t_end=float(solution.t[-1]), instants=len(solution.t), quantities=solution.scales,
+        energy=solution.energy, limit=limit, steps=steps, reference=solution.about, lines=lines,
         choices=tuple(
-            measurement.choice(choice, partial(prepare, other), dict.fromkeys(taken))
-            for choice, other in others
+            measurement.choice(Choice(title, kind, other.name), partial(prepare, other), taken)
+            for title, kind, other in others
         ),
-        reference=solution.about,
-        model_sha256=machine.description.sources[0][1] if machine.description.sources else "",
+        build=costs, environment=harness.environment(),
+        model_sha256=sources[0][1] if sources else "",
         artefact=hashlib.sha256(machine.path.read_bytes()).hexdigest(),
     )  # fmt: skip
 
 
 def _comparison(
-    machine: Machine, quantities: Sequence[str], reference: str | PathLike[str] | None,
+    machine: Machine, quantities: Sequence[str], reference: Place | None,
     t_start: float, t_end: float | None, points: int,
 ) -> tuple[Sequence[str], FloatArray, ReferenceFile | None]:  # fmt: skip
     """The quantities that are compared, the instants in s, and the reference from a file."""
@@ -202,29 +219,12 @@ def _comparison(
     series = series_of(description, quantities)
     names = [text for k, text in enumerate(quantities) if series.index(series[k]) == k]
     if reference is None:
-        end = harness.require_time_span(machine, t_start, t_end)
+        end = harness.require_time_span(machine, "simulate", t_start, t_end)
         instants = np.linspace(t_start, end, points + 1)[1:]
         return names or default_quantities(description), instants, None
     file = read_reference(Path(reference), names, t_start, t_end)
     series_of(description, file.names)
     return file.names, file.t, file
-
-
-def _other_models(
-    source: harness.Source, modelling: bool, beside: "Sequence[str | Scene]"
-) -> "list[tuple[Choice, Scene]]":
-    """Scenes of the same machine: other fidelities of things that have several, and those named."""
-    from codegen.reading.scene_selection import declared, variants
-
-    changes = variants(source.model, source.scene) if modelling else ()
-    others = [
-        (change.title, change.kind, change.of(source.scene))
-        for change in changes
-        if change.word != harness.LEFT_OUT
-    ]
-    named = [declared(source.model, scene)[1] for scene in beside]
-    others += [(scene.name, "scene", scene) for scene in named]
-    return [(Choice(title, kind, scene.name), scene) for title, kind, scene in others]
 
 
 @dataclass(frozen=True)
@@ -235,7 +235,7 @@ class Measurement:
     reference: ReferenceSolution
     rounds: int  # of each run, as in `time_runs`
     least: float  # s, as in `time_runs`
-    progress: Callable[[str], None]  # receives a line before every step that takes time
+    progress: Report
 
     def lines(
         self, settings: Sequence[Setting], rtols: Sequence[float], further: Sequence[float]
@@ -288,11 +288,10 @@ class Measurement:
         """The points of runs to the end, with their times."""
         runs = [partial(runner.seconds, setting, point.rtol) for setting, point in points]
         first = [point.seconds for _, point in points]
+        timed = harness.time_runs(runs, first, self.rounds, self.least)
         return [
             replace(point, seconds=min(times), spread=median(times) / min(times), runs=len(times))
-            for (_, point), times in zip(
-                points, time_runs(runs, first, self.rounds, self.least), strict=True
-            )
+            for (_, point), times in zip(points, timed, strict=True)
         ]
 
     def _points(
@@ -321,9 +320,9 @@ class Measurement:
         if result.failed:
             return point
         reference = self.reference
-        if different := reference.compared.difference(result):
+        if different := reference.difference(result):
             return replace(point, outcome="OTHER_END", message=different)
-        errors = reference.errors(result)
+        errors = reference.errors(reference.values(result))
         position, velocity = result.samples.residual.max(axis=0)[:2].tolist()
         return replace(
             point, errors=errors, beyond=errors.worst < reference.about.floor,

@@ -201,9 +201,7 @@ def sweep(
     attempt(problems, lambda: machine.parameter_values(parameters))
     run |= {"accuracy": accuracy, "method": method, "formulation": formulation, "rtol": rtol}
     options = attempt(problems, lambda: read_simulation_arguments(machine, run, kind)) or {}
-    last = None
-    if kind != "equilibrium":
-        last = attempt(problems, lambda: require_time_span(machine, t_start, t_end))
+    last = attempt(problems, lambda: require_time_span(machine, kind, t_start, t_end))
     wanted: dict[str, str | Function] = dict(quantities)  # type: ignore[arg-type]
     for given in wanted.values():
         if isinstance(given, str):

@@ -122,16 +122,6 @@ def test_what_stands_still_in_the_tighter_run_is_resolved() -> None:
     assert not is_resolved(difference(t, -noise, noise, quantities), noise, 1e-10)
 
 
-def test_the_result_is_that_of_a_run_with_the_recorded_settings(
-    compressor: Machine, accurate: Result
-) -> None:
-    found = accurate.accuracy
-    settings = {"rtol": found.rtol, "method": found.method, "formulation": found.formulation}
-    again = compressor.simulate(1.0, accurate.t, parameters={"J1": 450.0}, **settings)
-    np.testing.assert_array_equal(again.samples.q, accurate.samples.q)
-    assert len(again.events) == len(accurate.events)
-
-
 def test_built_companions_are_taken_and_given_settings_are_kept(
     compressor: Machine, accurate: Result
 ) -> None:

@@ -103,6 +103,7 @@ def test_depth_is_bounded(read: Callable[..., str], ending: str, text: str) -> N
         (f'{{"model": "x", "run": {{"rtol": {"9" * 5000}}}}}', "json", "is no JSON"),
         (f"model: x\nrun: {{rtol: {'9' * 5000}}}", "yaml", "line 2: "),
         (f"model: x\nrun: {{rtol: {'9' * 400}}}", "yaml", "beyond all floats"),
+        (f"model: x\nrun: {{max_steps: {2**62 + 1}}}", "yaml", "a whole number up to 4.61169e+18"),
         (b"\xff\xfe", "yaml", "no text in UTF-8"),
         (b"model: \x00", "yaml", "is no YAML"),
         ('{"model": "x", "start": {"a": "3\\u0085m"}}', "json", "characters that print"),

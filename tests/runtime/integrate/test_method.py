@@ -39,7 +39,8 @@ method.EXPLICIT = (*method.EXPLICIT, "small")
 
 from runtime.studies import pictures
 from runtime.studies import reference
-from runtime.studies.harness import FORMULATIONS, all_settings
+from runtime.dynamics.formulations import FORMULATIONS
+from runtime.studies.harness import all_settings
 from tests.runtime.integrate.systems import relay, run_relay
 
 errors = []

@@ -14,14 +14,13 @@ from typer.testing import CliRunner
 
 from codegen import Model
 from codegen.errors import InputError, LinkwrightError
-from codegen.presentation import terminal_width
+from codegen.presentation import save_picture, terminal_width
 from codegen.reading.scene_selection import declared, variants
 from linkwright.cli.application import app
 from runtime import Result, load, matters
-from runtime.studies.pictures import draw_ranking, save_ranking
+from runtime.studies.effect_ranking import Plan
 from runtime.studies.quantity import parse_quantity
-from runtime.studies.ranking import Matters, Verdict, ranking_table, sentences
-from runtime.studies.trials import count_costs
+from runtime.studies.ranking import Matters, Verdict
 
 MACHINES = {
     "compressor": ("slider_crank", "compressor", "max:crank.omega", 0.5),
@@ -75,10 +74,11 @@ def swing(rank: Rank) -> Matters:
 
 def test_work_counts_the_iterations_of_a_return_and_not_the_return() -> None:
     machine = load("slider_crank", "compressor")
-    run = machine.simulate(0.1, rtol=1e-3, progress=False)
+    plan = Plan(parse_quantity("crank.phi"), "simulate", 0.0, 0.1, 501, 1e-3, {})
+    trial = plan.trial(machine)
+    run, operations = trial.result, dict(machine.description.operations)
     assert run.stats["corrections"] > run.stats["returns"]
-    operations = dict(machine.description.operations)
-    assert count_costs(run).work == (
+    assert trial.costs.work == (
         run.stats["rhs_evaluations"] * operations["accelerations"]
         + run.stats["corrections"] * operations["correction"]
     )
@@ -145,7 +145,7 @@ def test_effects_that_are_not_negligible_together_are_put_back(rank: Rank) -> No
     assert_allclose((too_much, within), (0.13 / 100.13, 0.06 / 100.13), rtol=1e-6)
     assert kept == found.proposal.left_out
     assert found.proposal.relative == within
-    answer = " ".join(sentences(found))
+    answer = " ".join(found.sentences())
     assert "two is negligible alone but not together with the others, so it is put back" in answer
 
 
@@ -215,7 +215,7 @@ def test_a_function_is_a_quantity_and_what_stops_the_machine_is_needed(rank: Ran
     assert found["spring"].verdict is Verdict.NEEDED
     assert found["spring"].reason == "nothing moves without it"
     assert found["spring"].costs is None
-    alone = "spring is the only effect of the scene, so there is none to rank it with."
+    alone = "spring is the scene's only effect, so there is none to rank it with."
     assert alone in found.notes
     with pytest.raises(InputError, match="<lambda> returns nan; it must return a finite number"):
         rank("alone", lambda result: float("nan"), t_end=1.0)
@@ -296,7 +296,7 @@ def test_table_fits_a_terminal(
     monkeypatch.setenv("COLUMNS", str(columns))
     screen = Console(width=terminal_width(), highlight=False, record=True)
     with screen.capture() as capture:
-        screen.print(ranking_table(swing))
+        screen.print(*swing.tables())
     lines = capture.get().splitlines()
     assert max(map(len, lines)) <= columns
     for row in swing.rows:
@@ -306,11 +306,11 @@ def test_table_fits_a_terminal(
 
 
 def test_picture_and_answer_are_whole(swing: Matters, tmp_path: Path) -> None:
-    left, right = draw_ranking(swing).axes
+    left, right = swing.plot().axes
     assert len(left.patches) == len(right.patches) == len(swing.rows)
     assert left.get_xscale() == "log"
-    (path,) = save_ranking(swing, tmp_path / "swing.png")
-    assert path.stat().st_size > 10_000
+    save_picture(swing.plot(), tmp_path / "swing.png")
+    assert (tmp_path / "swing.png").stat().st_size > 10_000
     with pytest.raises(dataclasses.FrozenInstanceError):
         swing.value = 0.0
     facts = json.loads(json.dumps(swing.facts(), allow_nan=False))

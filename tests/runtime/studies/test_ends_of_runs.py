@@ -14,7 +14,8 @@ from runtime import load
 from runtime.accuracy_target.runs import own_instants
 from runtime.results.run_records import Reconnection
 from runtime.studies.effect_ranking import matters
-from runtime.studies.reference import Compared
+from runtime.studies.harness import Runner
+from runtime.studies.reference import ReferenceSolution
 from runtime.studies.work_precision import accuracy
 from tests.runtime.accuracy_target.test_runs_that_end_or_reconnect import CUT, LOW, OMEGA, RISE, G
 
@@ -138,7 +139,8 @@ def test_names_of_instants() -> None:
 def test_runs_with_other_ends_are_told_apart(cut: Model, tmp_path: Path) -> None:
     machine = load(cut, "plain", folder=tmp_path)
     whole, short = (machine.simulate(end, 31) for end in (3.0, 1.0))
-    compared = Compared((), whole.t, 0.0, own_instants(whole), from_file=False)
+    runner = Runner(machine, machine.assemble(), whole.t, 60.0, 10**6)
+    compared = ReferenceSolution(runner, whole, ())
     assert compared.difference(whole) == ""
     assert "t(hinge), and those of the reference t(hinge), t(low)" in compared.difference(short)
     assert compared.own == ("t(hinge)", "t(low)")

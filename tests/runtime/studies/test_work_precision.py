@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,17 +10,19 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from codegen import Model
 from codegen.errors import InputError, LinkwrightError
 from runtime import load
+from runtime.dynamics.formulations import FORMULATIONS
 from runtime.integrate.method import METHODS
+from runtime.mechanism.mechanism import Mechanism
 from runtime.results.result import Result
-from runtime.studies import harness
-from runtime.studies.conclusions import best_at, sentences
-from runtime.studies.diagram import WorkPrecision
-from runtime.studies.harness import FORMULATIONS, Runner, Setting, all_settings
+from runtime.studies import harness, work_precision
+from runtime.studies.diagram import WorkPrecision, best_at
+from runtime.studies.harness import Runner, Setting, all_settings
 from runtime.studies.pictures import draw_diagram
 from runtime.studies.reference import ReferenceSolution, find_reference
-from runtime.studies.work_precision import FURTHER, RTOLS, Measurement
+from runtime.studies.work_precision import FURTHER, RTOLS, Measurement, build_costs
 
 SETTINGS = all_settings(METHODS, FORMULATIONS)
 Study = Callable[..., WorkPrecision]
@@ -45,9 +47,8 @@ def reference_of(runner: Runner) -> ReferenceSolution:
 
 
 def test_the_grid_is_that_of_the_definition() -> None:
+    assert_allclose(RTOLS + FURTHER, np.logspace(-2.0, -12.0, 21))
     assert len(RTOLS) == 17
-    assert_allclose((RTOLS[0], RTOLS[1], RTOLS[-1]), (1e-2, 10**-2.5, 1e-10))
-    assert_allclose((FURTHER[0], FURTHER[-1]), (10**-10.5, 1e-12))
 
 
 def test_every_setting_is_run_at_every_tolerance(swing: WorkPrecision) -> None:
@@ -102,7 +103,7 @@ def test_a_reference_of_another_machine_is_seen(study: Study, tmp_path: Path) ->
     assert found.reference.floor > 0.1
     assert found.reference.horizon <= t[1]
     assert best_at(found, 1e-3) is None
-    assert any("another machine" in line for line in sentences(found))
+    assert any("another machine" in line for line in found.sentences())
 
 
 def test_other_models_are_compared_with_the_declared_scene(
@@ -125,7 +126,7 @@ def test_other_models_are_compared_with_the_declared_scene(
     assert 1e-6 < worst < 1e-1
     assert abs(choice.point.worst - worst) < 0.11 * worst
     assert not any(line.refused for line in found.lines)
-    assert any(line.startswith("rub as sticking keeps") for line in sentences(found))
+    assert any(line.startswith("rub as sticking keeps") for line in found.sentences())
 
 
 def test_scenes_that_the_user_names_are_compared_too(study: Study) -> None:
@@ -148,7 +149,7 @@ def test_formulations_that_a_scene_cannot_take_say_why(study: Study) -> None:
     assert "rub" in refused.refused
     assert "creep=" in refused.refused
     assert len(found["dop853, cartesian"].done) == 3
-    assert any(line.startswith("Not tried: dop853, reduced.") for line in sentences(found))
+    assert any(line.startswith("Not tried: dop853, reduced.") for line in found.sentences())
     labels = draw_diagram(found).axes[0].get_legend_handles_labels()[1]
     assert "dop853, reduced: refused" in labels
 
@@ -163,7 +164,7 @@ def test_failures_are_points(study: Study) -> None:
     assert failed.seconds > 0.0
     assert any(
         "dopri5, cartesian: 1 of 3 runs did not reach the end: MAX_STEPS" in text
-        for text in sentences(found)
+        for text in found.sentences()
     )
     axes = draw_diagram(found).axes[0]
     assert axes.get_xlim()[0] < -1.0
@@ -235,6 +236,7 @@ def test_a_series_without_values_is_refused(study: Study, monkeypatch: pytest.Mo
         ("swing", {"t_end": -1.0}, "from 0 to -1 s must be finite and positive"),
         ("swing", {"methods": ("dop85",)}, "There is no method 'dop85'; nearest: dop853"),
         ("swing", {"methods": ()}, "there is no method to try"),
+        ("swing", {"rtols": []}, "rtols is []; there is no tolerance to try; name one"),
         ("swing", {"formulations": ("polar",)}, "There is no formulation 'polar'"),
         ("swing", {"rtols": (1e-14,)}, "rtols is (1e-14,); it must be numbers from 1e-12 to 0.1"),
         ("swing", {"points": 1}, "points is 1; it must be a whole number from 2"),
@@ -278,3 +280,72 @@ def test_unusable_reference_files_are_refused(
     with pytest.raises(InputError) as caught:
         study(**{"t_end": None, "reference": path, **options})
     assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("methods", "formulations", "built"),
+    [
+        (("dop853", "dopri5"), ("cartesian",), set()),
+        (("dop853",), ("reduced",), {"reduced"}),
+        (("dop853", "radau5"), ("cartesian",), {"tangents"}),
+    ],
+)
+def test_nothing_is_built_that_no_setting_takes(
+    methods: tuple[str, ...], formulations: tuple[str, ...], built: set[str],
+    study: Study, monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    loaded: list[str] = []
+    timed: list[Collection[str]] = []
+    real = Mechanism.companion
+
+    def companion(machine: Any, kind: Any) -> Any:
+        loaded.append(kind)
+        return real(machine, kind)
+
+    monkeypatch.setattr(Mechanism, "companion", companion)
+    monkeypatch.setattr(work_precision, "build_costs", lambda *given: timed.append(given[2]) or {})
+    found = study(building=True, methods=methods, formulations=formulations)
+    assert set(loaded) == built
+    assert {kind for kind in timed[0] if kind} == built
+    assert found.reference.floor < 1e-11
+    assert found.reference.checks
+
+
+def test_derivatives_are_built_where_nothing_else_confirms(
+    runner: Runner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = Runner.run
+
+    def run(self: Runner, setting: Setting, rtol: float) -> Result:
+        if setting.method == "dopri5":
+            raise LinkwrightError("too stiff")
+        return real(self, setting, rtol)
+
+    monkeypatch.setattr(Runner, "run", run)
+    about = find_reference(runner, ("body.x",), None, lambda line: None, (Setting("dop853"),)).about
+    assert about.source == "dop853, cartesian, rtol 1e-13"
+    assert [check.title for check in about.checks] == ["radau5, cartesian, rtol 1e-13"]
+
+
+def speck() -> Model:
+    model = Model("speck")
+    ball = model.particle("ball", mass=1.0)
+    model.force("wind", on=ball, fx=1.0)
+    model.scene("fly", ["wind"], start={ball.x: 0.0, ball.vx: 0.0})
+    return model
+
+
+COMPANIONS = ["differentiate", "compile derivatives", "reduce", "compile reduced"]
+
+
+@pytest.mark.parametrize(
+    ("companions", "stages"),
+    [((), []), pytest.param(("tangents", "reduced"), COMPANIONS, marks=pytest.mark.slow)],
+)
+def test_building_is_timed_stage_by_stage(companions: tuple[str], stages: list[str]) -> None:
+    """Companions that no setting takes are left out."""
+    model = speck()
+    found = build_costs(model, model.scenes["fly"], companions)
+    assert [*found] == ["derive", "lower", "examine", "emit", "compile", *stages, "load, warm"]
+    assert all(seconds > 0.0 for seconds in found.values())
+    assert found["load, warm"] < found["compile"]

@@ -1,18 +1,22 @@
-"""Studies hand the words of `simulate` to each of their runs."""
+"""What studies share: words of `simulate` for each of their runs, times of runs, quantities."""
 
 from collections.abc import Callable
 from functools import wraps
 from inspect import signature
 from pathlib import Path
 
+import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from codegen import Model
 from codegen.errors import InputError, LinkwrightError
 from runtime.integrate.simulation_options import OPTIONS
 from runtime.machine_facade import Machine
+from runtime.studies import harness
 from runtime.studies.effect_ranking import matters
-from runtime.studies.harness import takes_simulation_arguments
+from runtime.studies.harness import TimeLimit, processor_time, time_runs, time_to_error
+from runtime.studies.quantity import REDUCTIONS, Series
 from runtime.studies.work_precision import accuracy
 
 
@@ -109,7 +113,7 @@ def test_new_words_of_simulate_follow() -> None:
     def study(model: str, **run: object) -> None:
         """Nothing."""
 
-    words = list(signature(takes_simulation_arguments("correction")(study)).parameters)
+    words = list(signature(harness.takes_simulation_arguments("correction")(study)).parameters)
     assert words[0] == "model"
     assert {"atol", "controllers", "until", "max_bytes"} <= {*words}
     assert not {"correction", "t_end", "rtol", "progress", "run"} & {*words}
@@ -122,3 +126,73 @@ def test_options_are_the_words_of_simulate() -> None:
     assert {*words} == {option.name for option in OPTIONS}
     shared = {option.name: option.default for option in OPTIONS if option.of_commands}
     assert shared == {name: words[name].default for name in shared}
+
+
+def test_runs_take_turns_and_one_that_is_cut_short_ends() -> None:
+    order: list[str] = []
+
+    def run(name: str) -> float | None:
+        order.append(name)
+        return None if order.count("b") == 2 and name == "b" else float(len(order))
+
+    runs = [lambda name=name: run(name) for name in "abc"]
+    times = time_runs(runs, [0.5] * 3, 3, 0.6)
+    assert order == list("abcabc")
+    assert times == [[1.0, 4.0], [2.0], [3.0, 6.0]]
+    assert time_runs([lambda: None], [0.2], 5, 1.0) == [[0.2]]
+
+
+@pytest.mark.parametrize(
+    ("took", "first", "rounds", "least", "count"),
+    [
+        (0.5, 0.5, 5, 1.0, 5),
+        (0.01, 0.01, 5, 1.0, 30),
+        (2.0, 2.0, 5, 1.0, 2),
+        (2.0, 2.0, 3, 0.0, 3),
+        (0.1, float("nan"), 3, 0.0, 3),
+    ],
+)
+def test_runs_are_repeated_for_a_time(
+    took: float, first: float, rounds: int, least: float, count: int
+) -> None:
+    assert time_runs([lambda: took], [first], rounds, least) == [[took] * count]
+
+
+def test_a_time_limit_counts_from_the_first_sign_of_life() -> None:
+    limit = TimeLimit(0.0)
+    limit(0.0)
+    assert not limit.exceeded
+    with pytest.raises(KeyboardInterrupt):
+        limit(0.5)
+    assert limit.exceeded
+    answer, seconds = processor_time(lambda: sum(range(1000)))
+    assert answer == 499500
+    assert seconds >= 0.0
+
+
+@pytest.mark.parametrize(("error", "seconds"), [(1e-3, 2.0), (0.1, 1.0), (1e-5, np.inf)])
+def test_times_to_an_error_lie_on_lines_in_logarithms(error: float, seconds: float) -> None:
+    assert time_to_error([(1e-2, 1.0), (1e-4, 4.0)], error) == pytest.approx(seconds)
+    assert time_to_error([], error) == np.inf
+
+
+def test_a_library_without_metadata_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(harness, "LIBRARIES", ("numpy", "no-such-library"))
+    facts = harness.environment()
+    assert facts["numpy"] == np.__version__
+    assert "no-such-library" not in facts
+
+
+def test_reductions_of_a_wave_are_those_of_the_curve() -> None:
+    t = np.linspace(0.0, 10.0, 801)
+    wave = Series(t, 3.0 + 2.0 * np.sin(4.0 * t + 0.3), np.zeros(0))
+    found = {word: how.reduce(wave) for word, how in REDUCTIONS.items()}
+    assert_allclose(found["max"], 5.0, rtol=1e-6)
+    assert_allclose(found["min"], 1.0, rtol=1e-5)
+    assert_allclose(found["range"], 4.0, rtol=1e-5)
+    assert_allclose(found["peak"], 5.0, rtol=1e-6)
+    assert_allclose(found["mean"], 3.0 + (np.cos(0.3) - np.cos(40.3)) / 20.0, rtol=1e-5)
+    assert_allclose(found["period"], np.pi / 2.0, rtol=1e-3)
+    assert_allclose(found["rate"], (wave.x[-1] - wave.x[0]) / 10.0, rtol=1e-12)
+    step = Series(np.array([0.0, 1.0, 1.001, 2.0]), np.array([0.0, 1.0, 4.0, 3.9]), np.array([1.0]))
+    assert REDUCTIONS["max"].reduce(step) == 4.0
