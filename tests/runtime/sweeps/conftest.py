@@ -1,5 +1,6 @@
 """A short sweep of the compressor, and what every sweep of these tests has."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -41,9 +42,17 @@ def whole(request_of: dict[str, Any], tmp_path_factory: pytest.TempPathFactory) 
     return sweep(out=tmp_path_factory.mktemp("whole") / "s.zarr", **request_of)
 
 
+@pytest.fixture
+def swept(tmp_path: Path, about: dict[str, Any]) -> Callable[..., Study]:
+    """Makes a sweep of that scene in this process, in a store of its own."""
+    return lambda **words: sweep(**{"out": tmp_path / "s.zarr", "workers": 0, **about, **words})
+
+
+GRID = {"over": {"J1": "200:1000:3", "rod_length": [-1.0, 3.0, 3.5, 4.0]}, "keep": ["crank.phi"]}
+
+
 @pytest.fixture(scope="session")
 def study(tmp_path_factory: pytest.TempPathFactory, about: dict[str, Any]) -> Study:
     """A grid of 12 runs, of which three are refused: a rod of -1 m is none."""
     folder: Path = tmp_path_factory.mktemp("sweeps")
-    over = {"J1": "200:1000:3", "rod_length": [-1.0, 3.0, 3.5, 4.0]}
-    return sweep(over=over, keep=["crank.phi"], out=folder / "study.zarr", workers=0, **about)
+    return sweep(out=folder / "study.zarr", workers=0, **GRID, **about)

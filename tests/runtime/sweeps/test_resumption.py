@@ -23,7 +23,7 @@ from runtime.sweeps.execution import _load_job, pickled_job, run_job
 from runtime.sweeps.request import KILLED, rows_without_runs
 from runtime.sweeps.store import Store, open_store, store_lock, tasks_of
 from runtime.sweeps.study import Study
-from tests.runtime.sweeps.conftest import same
+from tests.runtime.sweeps.conftest import GRID, same
 
 
 def counted_runs(monkeypatch: pytest.MonkeyPatch, last: int = -1) -> list[float]:
@@ -156,8 +156,7 @@ def test_files_that_a_power_cut_has_cut_short_are_made_again(
         with pytest.raises(InputError, match="cannot be read"):
             _ = load_study(path).data
     made = counted_runs(monkeypatch)
-    over = {"J1": "200:1000:3", "rod_length": [-1.0, 3.0, 3.5, 4.0]}
-    found = sweep(over=over, keep=["crank.phi"], out=path, workers=0, resume=True, **about)
+    found = sweep(out=path, workers=0, resume=True, **GRID, **about)
     assert len(made) == open_store(path).about.chunk
     assert same(found, study)
 
@@ -167,7 +166,7 @@ def test_rows_of_which_a_file_is_missing_are_none(
     study: Study, about: dict[str, Any], tmp_path: Path, name: str
 ) -> None:
     """As of a store that was copied in part; of refused runs the files are there, too."""
-    path, over = tmp_path / "s.zarr", {"J1": "200:1000:3", "rod_length": [-1.0, 3.0, 3.5, 4.0]}
+    path = tmp_path / "s.zarr"
     shutil.copytree(study.path, path)
     chunk, (file, *_) = study._store.about.chunk, [x for x in (path / name / "c").rglob("1") if x]
     (shutil.rmtree if file.is_dir() else Path.unlink)(file)
@@ -175,7 +174,7 @@ def test_rows_of_which_a_file_is_missing_are_none(
     gone = data["outcome"].values == "NOT RUN"
     assert np.flatnonzero(gone).tolist() == [*range(chunk, 2 * chunk)]
     assert np.isnan(data["t_last"].values[gone]).all()
-    found = sweep(over=over, keep=["crank.phi"], out=path, workers=0, resume=True, **about)
+    found = sweep(out=path, workers=0, resume=True, **GRID, **about)
     assert same(found, study)
 
 

@@ -3,6 +3,7 @@
 import json
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -25,11 +26,9 @@ def sampled(about: dict[str, Any], tmp_path_factory: pytest.TempPathFactory) -> 
     return sweep(over=OVER, sample="lhs", count=100, seed=3, out=out, workers=0, **about)
 
 
-def test_indices_of_sobol(about: dict[str, Any], tmp_path: Path) -> None:
+def test_indices_of_sobol(swept: Callable[..., Study]) -> None:
     pytest.importorskip("SALib")
-    found = sweep(
-        over=OVER, sample="saltelli", count=32, out=tmp_path / "s.zarr", workers=0, **about
-    )  # fmt: skip
+    found = swept(over=OVER, sample="saltelli", count=32)
     assert len(found) == 32 * 4
     table = found.sensitivity("crank.omega")
     assert table.loc["J1", "ST"] == pytest.approx(1.0, abs=0.2)
@@ -60,9 +59,9 @@ def test_a_tolerance_stack(sampled: Study) -> None:
 
 
 def test_pictures_of_one_two_and_more_factors(
-    study: Study, sampled: Study, about: dict[str, Any], tmp_path: Path
+    study: Study, sampled: Study, swept: Callable[..., Study], tmp_path: Path
 ) -> None:
-    one = sweep(over={"J1": [225, 450, 900]}, out=tmp_path / "a.zarr", workers=0, **about)
+    one = swept(over={"J1": [225, 450, 900]}, out=tmp_path / "a.zarr")
     (axes,) = one.plot("crank.omega").axes
     assert axes.get_xlabel() == "J1 (kg m^2)"
     assert axes.get_ylabel() == "end:crank.omega (rad/s)"
@@ -76,10 +75,8 @@ def test_pictures_of_one_two_and_more_factors(
     assert colours.get_ylabel() == "max:B.fx (N)"
     points = sampled.plot().axes[0].collections[0]
     assert len(points.get_offsets()) == 100
-    three = sweep(
-        over={"J1": "200:1000", "rod_length": "3:4", "motor_torque": "40000:42000"},
-        sample="halton", count=16, out=tmp_path / "b.zarr", workers=0, **about,
-    )  # fmt: skip
+    over = {"J1": "200:1000", "rod_length": "3:4", "motor_torque": "40000:42000"}
+    three = swept(over=over, sample="halton", count=16)
     axes = three.plot().axes[0]
     assert len(axes.collections[0].get_segments()) == 16
     labels = [text.get_text() for text in axes.get_xticklabels()]
@@ -122,7 +119,7 @@ def test_a_command_of_which_no_run_succeeds(tmp_path: Path) -> None:
 
 
 def test_a_cluster_without_workers_is_named(
-    about: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    swept: Callable[..., Study], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     distributed = pytest.importorskip("distributed")
     monkeypatch.setattr("runtime.sweeps.execution._WORKER_PATIENCE", 0.5)
@@ -136,22 +133,14 @@ def test_a_cluster_without_workers_is_named(
         time.sleep(2.0)
         cluster.scale(1)
 
-    def swept() -> Study:
-        return sweep(
-            over={"J1": "200:300:9"}, out=tmp_path / "s.zarr",
-            scheduler=cluster.scheduler_address, **about,
-        )  # fmt: skip
-
     with cluster:
         threading.Thread(target=add_a_worker, daemon=True).start()
         with pytest.warns(UserWarning, match="has no workers; the sweep waits for them"):
-            found = swept()
+            found = swept(over={"J1": "200:300:9"}, scheduler=cluster.scheduler_address)
     assert found.outcomes == {"OK": 9}
 
 
-def test_a_cluster_that_is_not_there(about: dict[str, Any], tmp_path: Path) -> None:
+def test_a_cluster_that_is_not_there(swept: Callable[..., Study]) -> None:
     pytest.importorskip("distributed")
     with pytest.raises(InputError, match="No Dask scheduler answers at nowhere"):
-        sweep(
-            over={"J1": [200.0]}, out=tmp_path / "s.zarr", scheduler="nowhere://1", **about
-        )  # fmt: skip
+        swept(over={"J1": [200.0]}, scheduler="nowhere://1")

@@ -1,5 +1,6 @@
 """A sweep in this process: its rows are those of single runs, failures among them."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -40,11 +41,8 @@ def test_failures_are_rows(study: Study) -> None:
         study.member(0)
 
 
-def test_a_machine_that_does_not_assemble_is_a_row(about: dict[str, Any], tmp_path: Path) -> None:
-    found = sweep(
-        over={"crank.phi": [1.57, 3.14]}, parameters={"rod_length": 1.0}, workers=0,
-        out=tmp_path / "s.zarr", **about,
-    )  # fmt: skip
+def test_a_machine_that_does_not_assemble_is_a_row(swept: Callable[..., Study]) -> None:
+    found = swept(over={"crank.phi": [1.57, 3.14]}, parameters={"rod_length": 1.0})
     assert found.outcomes == {"REFUSED": 1, "OK": 1}
     assert "joint" in str(found.data["message"].values[0])
     assert "run 0, crank.phi = 1.57:" in repr(found)
@@ -71,9 +69,9 @@ def test_a_study_as_arrays(study: Study) -> None:
             study.member(wrong)  # type: ignore[arg-type]
 
 
-def test_a_grid_has_the_order_of_the_values(about: dict[str, Any], tmp_path: Path) -> None:
+def test_a_grid_has_the_order_of_the_values(swept: Callable[..., Study]) -> None:
     over = {"J1": [450.0, 225.0, 900.0], "rod_length": [4.0, -1.0, 3.5]}
-    found = sweep(over=over, out=tmp_path / "s.zarr", workers=0, **about)
+    found = swept(over=over)
     for name, values in over.items():
         assert found.grid[name].values.tolist() == values
     rows = found.data["max:B.fx"].values.reshape(3, 3)
@@ -103,9 +101,8 @@ def test_a_plain_reader_opens_the_store(study: Study) -> None:
     assert found["outcome"].values.tolist().count("OK") == 9
 
 
-def test_start_values_vary_too(about: dict[str, Any], tmp_path: Path) -> None:
-    over = {"crank.omega": [20.0, 30.0], "J1": 450}
-    found = sweep(over=over, out=tmp_path / "s.zarr", workers=0, **about)
+def test_start_values_vary_too(swept: Callable[..., Study]) -> None:
+    found = swept(over={"crank.omega": [20.0, 30.0], "J1": 450})
     machine = load("slider_crank", scene="compressor")
     slow = machine.simulate(0.05, 21, start={"crank.omega": 20.0}, progress=False)
     assert found["end:crank.omega"].dims == ("crank.omega", "J1")
@@ -136,33 +133,28 @@ def test_other_analyses(tmp_path: Path) -> None:
     assert moved.member(1).analysis == "kinematics"
 
 
-def test_functions_of_a_result(about: dict[str, Any], tmp_path: Path) -> None:
+def test_functions_of_a_result(swept: Callable[..., Study]) -> None:
     def stroke(result: Any) -> float:
         return float(np.ptp(result.q("slider.x")))
 
     def broken(result: Any) -> float:
         return 1.0 / 0.0
 
-    found = sweep(
-        over={"J1": [225, 450]}, out=tmp_path / "s.zarr", workers=0,
-        **about | {"quantities": {"stroke": stroke, "broken": broken, "top": "max:B.fx"}},
-    )  # fmt: skip
+    wanted = {"stroke": stroke, "broken": broken, "top": "max:B.fx"}
+    found = swept(over={"J1": [225, 450]}, quantities=wanted)
     assert found.data["stroke"][1] == np.ptp(found.member(1).q("slider.x"))
     assert np.isnan(found.data["broken"]).all()
     assert "ZeroDivisionError" in str(found.data["message"].values[0])
     assert found.outcomes == {"OK": 2}
 
 
-def test_options_reach_the_runs(about: dict[str, Any], tmp_path: Path) -> None:
-    found = sweep(
-        over={"J1": [225, 450]}, out=tmp_path / "s.zarr", workers=0, max_steps=3, **about
-    )  # fmt: skip
+def test_options_reach_the_runs(swept: Callable[..., Study], tmp_path: Path) -> None:
+    found = swept(over={"J1": [225, 450]}, max_steps=3)
     assert found.outcomes == {"MAX_STEPS": 2}
     assert (found.data["t_last"] < 0.05).all()
-    found = sweep(
-        over={"J1": [225, 450]}, out=tmp_path / "r.zarr", workers=0, formulation="reduced",
-        until={"fast": ("crank.omega", "<", 29.9)}, **about,
-    )  # fmt: skip
+    until = {"fast": ("crank.omega", "<", 29.9)}
+    words = {"over": {"J1": [225, 450]}, "formulation": "reduced", "until": until}
+    found = swept(out=tmp_path / "r.zarr", **words)
     assert (found.data["t_last"] < 0.05).all()
     assert found.outcomes == {"OK": 2}
 
