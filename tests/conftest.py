@@ -103,6 +103,15 @@ def pytest_collection_finish() -> None:
     gc.set_threshold(50_000, 20, 20)
 
 
+@pytest.fixture(scope="module", autouse=True)
+def caches_end_with_their_module(request: pytest.FixtureRequest) -> Iterator[None]:
+    """What the tests of a file share goes with it: a worker runs hundreds of files."""
+    yield
+    for value in vars(request.module).values():
+        if hasattr(value, "cache_clear") and value.__module__ == request.module.__name__:
+            value.cache_clear()
+
+
 @pytest.fixture(scope="session")
 def root() -> Path:
     """The folder of pyproject.toml."""

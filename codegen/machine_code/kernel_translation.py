@@ -190,6 +190,18 @@ def _count_of_results(tree: ast.FunctionDef) -> int:
     raise UntranslatableError(f"{tree.name}, which returns nothing")
 
 
+def _stands_in_places(counter: str, body: list[ast.stmt]) -> bool:
+    """Whether a counter is in places of arrays only.
+
+    A place is a sum with whole numbers that have a sign: there it makes no difference that numba
+    counts in numbers without sign from an entry without sign.
+    """
+    nodes = {node for statement in body for node in ast.walk(statement)}
+    places = [node.slice for node in nodes if isinstance(node, ast.Subscript)]
+    within = {node for place in places for node in ast.walk(place)}
+    return not any(isinstance(x, ast.Name) and x.id == counter for x in nodes - within)
+
+
 class FunctionTranslation(ExpressionTranslation):
     """The translation of one function; UntranslatableError at what no kernel has.
 
@@ -252,9 +264,13 @@ class FunctionTranslation(ExpressionTranslation):
                 self._if(test, body, other)
             case ast.For(
                 target=ast.Name(id=name), orelse=[], body=body,
-                iter=ast.Call(func=ast.Name(id="range"), args=[stop], keywords=[]),
-            ):  # fmt: skip
-                self._for(name, signed(self._as(INTEGER, self._number(stop))), body)
+                iter=ast.Call(func=ast.Name(id="range"), args=[*first, last], keywords=[]),
+            ) if len(first) < 2:  # fmt: skip
+                bounds = [self._as(INTEGER, self._number(x)) for x in (*first, last)]
+                if not _stands_in_places(name, body):
+                    bounds = [*map(signed, bounds)]
+                start, stop = [INTEGER(0), *bounds][-2:]
+                self._for(name, start, stop, body)
             case ast.While(test=test, body=body, orelse=[]):
                 self._while(test, body)
             case ast.Return(value=value):
@@ -305,10 +321,10 @@ class FunctionTranslation(ExpressionTranslation):
         if goes_on:
             self._begin(behind)
 
-    def _for(self, name: str, stop: Number, body: list[ast.stmt]) -> None:
+    def _for(self, name: str, start: Number, stop: Number, body: list[ast.stmt]) -> None:
         code = self._code
         counter = self._beginning.alloca(INTEGER)
-        code.store(INTEGER(0), counter)
+        code.store(start, counter)
         test, turn, behind = self._blocks(3)
         code.branch(test)
         self._begin(test)

@@ -20,9 +20,8 @@ from codegen.derive.equations import EffectEquations, Equations, derive
 from codegen.explain.element_times import about_the_start, parameters
 from codegen.lower.interpreter import evaluate
 from codegen.lower.lowered_scene import Lowered, lower
-from codegen.reading.model_file import read_model
 from codegen.reading.scene_selection import valid_scenes
-from tests.codegen.test_absent_effects import MACHINES, library
+from tests.codegen.test_absent_effects import MACHINES, library, small_model
 
 WITH_COEFFICIENTS = (
     "engine", "film_follower", "four_bar", "gear_slider", "quick_return", "rack_and_pinion",
@@ -62,7 +61,7 @@ def coefficients(model: Model, scene: Scene) -> Iterator[tuple[str, tuple[str, .
 def cases(machine: str) -> tuple[tuple[Model, Scene, str, tuple[str, ...]], ...]:
     """(model, scene, parameter, the effects that vanish) of a machine."""
     (path,) = (p for p in library(Path(__file__).resolve().parents[2]) if p.stem == machine)
-    model = read_model(path).model
+    model = small_model(path)
     return tuple(
         (model, scene, name, gone)
         for scene in valid_scenes(model, None)

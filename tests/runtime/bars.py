@@ -5,6 +5,7 @@ bars of 1 m and 1 kg under gravity. The matrices Φ_q W Φ_qᵀ are banded in th
 so that each kernel takes a time that is linear in the number of bars.
 """
 
+from functools import cache
 from math import pi
 from pathlib import Path
 from types import ModuleType
@@ -33,6 +34,7 @@ class Hinge(NamedTuple):
     at_second: float
 
 
+@cache
 def chain(links: int) -> Machine:
     """A chain of bars, level and at rest."""
     hinges = [Hinge(f"hinge_{k}", k - 1, 0.5 if k else 0.0, k, -0.5) for k in range(links)]
@@ -43,6 +45,7 @@ def chain(links: int) -> Machine:
     return machine(f"chain_{links}", [f"link_{k}" for k in range(links)], hinges, start)
 
 
+@cache
 def n_four_bar(loops: int) -> Machine:
     """Square loops in a row, upright, the upper joints at 1 m/s."""
     bars, hinges = ["crank_0"], [Hinge("A0", -1, 0.0, 0, -0.5)]

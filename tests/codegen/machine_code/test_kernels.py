@@ -2,6 +2,7 @@
 
 import importlib
 import math
+import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -13,9 +14,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from codegen.emit.module import Origin, module_text
 from codegen.files.generated_modules import _TextLoader, import_generated
 from codegen.machine_code import kernels
 from tests.codegen.machine_code.kernel_texts import EXACT, HEAD, plain, python_only
+from tests.codegen.reroll.machines import lowered
 
 CONTRACTED = 'OPTIONS = {"cache": False, "error_model": "numpy", "fastmath": {"contract"}}'
 CONSTRUCTS = '''
@@ -23,6 +26,7 @@ LIMIT = 0.5
 KNOTS = np.array((-1.0, 0.0, 0.5, 2.0))
 ROWS = np.array(((1.0, 2.0), (3.0, -4.0), (0.25, 0.5), (1e-3, 7.0)))
 PLACES = np.array((3, 0, 2, 1), dtype=np.uint32)
+SPANS = np.array((0, 1, 3, 3))
 
 
 @numba.njit(**OPTIONS)
@@ -73,6 +77,10 @@ def kernel(t, q, modes, out):
         total += q[PLACES[k]] * (k + 1)
         if total > 1e3 and x > LIMIT or not x < 7.0:
             total = 1.0
+    for k in range(SPANS[mode], SPANS[mode + 1]):
+        total += k * x
+    for k in range(PLACES[1], PLACES[2]):
+        total += q[3 - k]
     for k in range(2):
         out[k + 4] = total * (k + 1)
     w = math.nan if -1.0 <= x <= LIMIT else 2
@@ -231,17 +239,31 @@ def declared(path: Path) -> tuple[list[Any], dict[str, Any]]:
     return found, names
 
 
+def assert_translated(path: Path) -> None:
+    found, names = declared(path)
+    symbols = [one.__name__ for one in found]
+    text = kernels._translation(path.read_text(), found, symbols, names).decode()
+    for symbol in symbols:
+        assert text.count(f'define i32 @"{symbol}"(') == 1
+
+
 def test_the_library_is_translated(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """No kernel of a generated file is left to numba, which would take several times as long."""
     monkeypatch.setattr(kernels, "object_code", str.encode)
     paths = sorted((root / "generated").glob("[a-z]*__*.py"))
     assert len(paths) > 20
     for path in paths:
-        found, names = declared(path)
-        symbols = [one.__name__ for one in found]
-        text = kernels._translation(path.read_text(), found, symbols, names).decode()
-        for symbol in symbols:
-            assert text.count(f'define i32 @"{symbol}"(') == 1
+        assert_translated(path)
+
+
+def test_kernels_in_batches_are_translated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Machines without a period, whose kernels are loops over spans of a table."""
+    monkeypatch.setattr(kernels, "object_code", str.encode)
+    text = module_text(lowered("tree", 5), Origin("linkwright", (), "0" * 64, "build"))
+    assert re.search(r"for k in range\(.+, .+\):", text)
+    path = tmp_path / "tree__fall.py"
+    path.write_text(text)
+    assert_translated(path)
 
 
 @pytest.mark.parametrize("name", ["slider_crank__compressor", "pendulum__bar__tangents"])

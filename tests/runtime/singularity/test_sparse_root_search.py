@@ -205,7 +205,7 @@ def test_numbers_and_evaluations_of_a_search_grow_linearly(
     )
     for angle in (0.0, 0.05):
         sizes, evaluations = [], []
-        for loops in (50, 100):
+        for loops in (20, 40):
             machine = bars.n_four_bar(loops)
             jacobian, left = complement(machine, angle, loops)
             calls.clear()
@@ -224,7 +224,7 @@ def test_a_large_search_evaluates_as_often_as_a_small_one(monkeypatch: pytest.Mo
         SparseJacobian, "entries", lambda self, z: (calls.append(1), evaluated(self, z))[1]
     )
     counts = []
-    for loops in (10, 80):
+    for loops in (5, 40):
         machine = bars.n_four_bar(loops)
         calls.clear()
         motion = taylor(0.0, *parallel(machine, 0.1))
