@@ -53,24 +53,19 @@ def step_problems(scene: Scene, parts: Parts, parameters: Numbers) -> Iterator[s
     known = dict((*scene.guess, *scene.start))
     for effect in parts.effects.values() if parts.moves else ():
         with errors_at(label(effect)):
-            yield from islice(_steps_of(effect, parts.bodies, parameters, known), 1)
-
-
-def _steps_of(
-    effect: Effect, bodies: Bodies, parameters: Numbers, known: dict[str, float]
-) -> Iterator[str]:
-    """The steps of what has to be continuous in an effect."""
-    for word, unit, expression in _continuous(effect, bodies):
-        numbers = {**parameters}
-        for q in kinds(expression, Coordinate):
-            numbers[q] = float(known.get(dotted(q), q.measure.neutral))
-        if found := find_step(expression, numbers):
-            condition, size, change = found
-            yield (
-                f"the {word} of {label(effect)} jumps by {size:.4g} {unit} where {condition} "
-                f"changes, at one such place, and by {shown(change)} in general; a step exerts no "
-                "force, and energy would come from nowhere: make the pieces meet, or write a force."
-            )
+            for word, unit, expression in _continuous(effect, parts.bodies):
+                numbers = {**parameters}
+                for q in kinds(expression, Coordinate):
+                    numbers[q] = float(known.get(dotted(q), q.measure.neutral))
+                if found := find_step(expression, numbers):
+                    condition, size, change = found
+                    yield (
+                        f"the {word} of {label(effect)} jumps by {size:.4g} {unit} where "
+                        f"{condition} changes, at one such place, and by {shown(change)} in "
+                        "general; a step exerts no force, and energy would come from nowhere: make "
+                        "the pieces meet, or write a force."
+                    )
+                    break  # one of an effect is enough
 
 
 def _continuous(effect: Effect, bodies: Bodies) -> Iterator[tuple[str, str, sympy.Expr]]:

@@ -8,7 +8,7 @@ from typing import Literal
 import sympy
 from sympy.core.relational import Relational
 
-from codegen.declare.element import Hold, OneWay, Rigid, Sticking
+from codegen.declare.element import OneWay, Rigid, Sticking
 from codegen.declare.symbols import (
     Acceleration,
     Coordinate,
@@ -111,10 +111,29 @@ def switches(effects: Sequence[Named]) -> tuple[Switch, ...]:
     contacts, others = list[Switch](), list[Switch]()
     for name, terms in effects:
         with errors_at(f"'{name}'"):
-            _add_hold(name, terms.hold, contacts, others)
+            hold = terms.hold
+            if isinstance(hold, Rigid):
+                g = hold.gap
+                contacts.append(Switch(name, f"{g} > 0", g, rate(g), "contact"))
+            elif isinstance(hold, OneWay):
+                g = hold.slip
+                others.append(Switch(name, f"{g} > 0", g, rate(g), "clutch"))
+            elif isinstance(hold, Sticking) and _same(hold.slip, others) is None:
+                g = hold.slip
+                ratio = None if hold.static is None else hold.static / hold.kinetic
+                law = Boundary.BALANCED  # as a sign
+                others.append(Switch(name, f"{g} > 0", g, rate(g), "friction", ratio, law))
     for name, terms in effects:
         with errors_at(f"'{name}'"):
-            _add_conditions(name, terms, others)
+            for condition in _conditions(terms):
+                g, at_zero = switching_function(condition), boundary(condition)
+                found = find_switch(g, at_zero, others)
+                if found is None:
+                    text = table_text(g) if table_role(g) else str(condition)
+                    others.append(Switch(name, text, g, rate(g), boundary=at_zero))
+                else:
+                    switch, own = others[found[0]], at_zero.of_opposite() if found[1] else at_zero
+                    others[found[0]] = replace(switch, boundary=switch.boundary.joined_with(own))
     return (*contacts, *others)
 
 
@@ -131,34 +150,6 @@ def labelled(
     return tuple(
         replace(s, text=names.get(s.g, s.text)) if s.kind == "condition" else s for s in among
     )
-
-
-def _add_hold(name: str, hold: Hold | None, contacts: list[Switch], others: list[Switch]) -> None:
-    """Add the switch of a contact, of a freewheel or of a friction that sticks."""
-    if isinstance(hold, Rigid):
-        g = hold.gap
-        contacts.append(Switch(name, f"{g} > 0", g, rate(g), "contact"))
-    elif isinstance(hold, OneWay):
-        g = hold.slip
-        others.append(Switch(name, f"{g} > 0", g, rate(g), "clutch"))
-    elif isinstance(hold, Sticking) and _same(hold.slip, others) is None:
-        g = hold.slip
-        ratio = None if hold.static is None else hold.static / hold.kinetic
-        law = Boundary.BALANCED  # as a sign
-        others.append(Switch(name, f"{g} > 0", g, rate(g), "friction", ratio, law))
-
-
-def _add_conditions(name: str, terms: EffectTerms, others: list[Switch]) -> None:
-    """Add the switches of the conditions of an effect that have none yet."""
-    for condition in _conditions(terms):
-        g, at_zero = switching_function(condition), boundary(condition)
-        found = find_switch(g, at_zero, others)
-        if found is None:
-            text = table_text(g) if table_role(g) else str(condition)
-            others.append(Switch(name, text, g, rate(g), boundary=at_zero))
-        else:
-            switch, own = others[found[0]], at_zero.of_opposite() if found[1] else at_zero
-            others[found[0]] = replace(switch, boundary=switch.boundary.joined_with(own))
 
 
 def find_switch(

@@ -74,10 +74,6 @@ def declares(cls: type[Any], **renamed: str) -> Callable[[Method], Method]:
     return decorate
 
 
-def _is_expression(value: object) -> bool:
-    return isinstance(value, sympy.Basic)
-
-
 TRACKED = "tracked point"  # kind of a point whose place is an output
 
 
@@ -220,7 +216,8 @@ class Declarations:
             elif one.name == "joints":
                 value = MappingProxyType(self.joints)
             elif one.name == "on":
-                value = self._bodies_in(*(v for v in vars(read).values() if _is_expression(v)))
+                given_so_far = vars(read).values()
+                value = self._bodies_in(*(v for v in given_so_far if isinstance(v, sympy.Basic)))
             else:
                 value = self.ground if one.default is MISSING else one.default
             setattr(read, one.name, value)

@@ -22,10 +22,6 @@ FORMS = ("body", "link", "lumped")
 _PAIR, _LEAST = 2, 3  # formula: coordinates of a corner; corners of a polygon
 
 
-def _is_list(value: Any) -> bool:
-    return isinstance(value, list | tuple | np.ndarray)
-
-
 class MovingBodies(Constraints):
     """The bodies, particles and couplers of a declaration."""
 
@@ -124,7 +120,10 @@ class MovingBodies(Constraints):
             return ()
         try:
             rows = [members(row) for row in members(given)]
-            is_one = all(len(row) == _PAIR and not _is_list(row[0]) for row in rows)
+            is_one = all(
+                len(row) == _PAIR and not isinstance(row[0], list | tuple | np.ndarray)
+                for row in rows
+            )
             outlines = [rows] if is_one else [[members(xy, _PAIR) for xy in row] for row in rows]
         except KindError:
             outlines = [[]]

@@ -131,8 +131,10 @@ class ClearanceJoint(Effect):
 
     def _normal(self, excess_rate: sympy.Expr) -> sympy.Expr:
         """f = K δⁿ (1 + χ δ̇), by δ̇ = ṡ/e of the excess s."""
-        closing = excess_rate / self.eccentricity
-        return self.stiffness * self._depth() * (1 + self.damping * closing)
+        closing, n = excess_rate / self.eccentricity, self.exponent
+        over = self.eccentricity + self.clearance
+        depth = (2 * self.excess) ** n / over**n  # δⁿ, by δ = (e² - c²)/(e + c)
+        return self.stiffness * depth * (1 + self.damping * closing)
 
     def _drag(self) -> sympy.Expr:
         """-μ f tanh(v_t/v_c), along the wall."""
@@ -142,11 +144,6 @@ class ClearanceJoint(Effect):
         slip += self.radius * other.angular_velocity - (e + self.radius) * one.angular_velocity
         normal = self._normal(rate(self.excess))
         return -self.coefficient * normal * sympy.tanh(slip / self.creep)
-
-    def _depth(self) -> sympy.Expr:
-        """δⁿ, by δ = (e² - c²)/(e + c)."""
-        over = self.eccentricity + self.clearance
-        return (2 * self.excess) ** self.exponent / over**self.exponent
 
     def _touching(self, value: sympy.Expr) -> sympy.Expr:
         return sympy.Piecewise((value, 2 * self.excess > 0), (0, True))
