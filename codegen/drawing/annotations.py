@@ -148,8 +148,7 @@ def drawn_loads(
     """
     size, acting = picture.size, acting_loads(picture, series)
     strongest, found = _largest(acting, "N m"), []
-    held = [picture.placed(held_places(picture, n), n) for n in range(1, len(picture.bodies))]
-    middles = np.concatenate([*held, origin(picture.poses[1:])])
+    origins = origin(picture.poses[1:])
     for load in acting:
         if load.style == "torque":
             share = 1.0 if series is None else load.size / strongest
@@ -158,7 +157,7 @@ def drawn_loads(
             lines = round_arrow(load.at, radius, start, sweep, HEAD * size)
         else:  # on the side of its point with more room
             way = unit(load.value) * (ARROW * size if scale is None else scale * load.size)
-            middle = np.append(middles, load.at).mean()
+            middle = np.append(origins, load.at).mean()
             is_before = abs(load.at - way - middle) > abs(load.at + way - middle)
             start = load.at - way if is_before else load.at
             lines = straight_arrow(start, start + way, HEAD * size)

@@ -81,18 +81,15 @@ class Animation:
         """The page as text; it is made once."""
         shown = [animated(result) for result in self._results]
         machines = [_moving_picture(run) for run in shown]
-        sizes: dict[str, float] = {}  # of the largest run of a machine
-        for run, (machine, _) in zip(shown, machines, strict=True):
-            title = run.description.title
-            sizes[title] = max(sizes.get(title, 0.0), machine.size)
+        unit = unit_for(max(machine.size for machine, _ in machines))
         runs = []
         for number, (run, (machine, missing)) in enumerate(zip(shown, machines, strict=True)):
-            title, marks = run.description.title, event_marks(self._results[number])
             series, groups = curves(run)
+            marks = event_marks(self._results[number])
             runs.append({
-                "label": self.labels[number], "title": title, "t": in_two(run.t),
+                "label": self.labels[number], "title": run.description.title, "t": in_two(run.t),
                 "series": series, "groups": groups, "missing": missing,
-                **machine_data(machine, unit_for(sizes[title]), exerted(run), marks),
+                **machine_data(machine, unit, exerted(run), marks),
             })  # fmt: skip
         has_curves = any(len(result.t) > 1 for result in self._results)
         return page_text(
