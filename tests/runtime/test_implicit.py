@@ -8,14 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from codegen.errors import InputError
 from codegen.reading.model_file import read_model
 from runtime import Machine, Result, load
 from runtime.core.outcomes import Outcome
 from runtime.integrate.method import IMPLICIT
-from runtime.integrate.problem import Options
 from runtime.mechanism.dense_equations import Equations, magnitudes
-from tests.runtime.integrate.systems import ACCURATE_IMPLICIT, PENDULUM, integrate, pendulum_problem
+from tests.runtime.integrate.systems import ACCURATE_IMPLICIT
 from tests.runtime.mechanisms import write_whole
 
 DECADES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
@@ -201,11 +199,6 @@ def test_all_ways_back_onto_the_constraints(root: Path, method: str, correction:
     other = machine.simulate(0.5, [0.5], method=method, rtol=1e-8, correction=correction)
     assert other.outcome == Outcome.OK, other.message
     assert np.abs(other.samples.q - plain.samples.q).max() < 3e-6
-
-
-def test_what_lacks_derivatives_is_refused() -> None:
-    with pytest.raises(InputError, match="needs the derivatives of the kernels"):
-        integrate(PENDULUM, pendulum_problem(0.3, 0.0, 1.0), Options(method="radau5"))
 
 
 @pytest.mark.parametrize("method", ACCURATE_IMPLICIT)
