@@ -147,15 +147,6 @@ def test_a_driven_report_refuses_what_it_would_ignore(run: Run, tmp_path: Path) 
     assert run(*words).exit_code == 0
 
 
-def test_inverse_dynamics_has_either_name(run: Run) -> None:
-    answers = [
-        json.loads(run(word, "sc_driven", "--t-end", "0.5", "--json").stdout)
-        for word in ("inverse", "inverse-dynamics")
-    ]
-    assert answers[0]["analysis"] == answers[1]["analysis"] == "inverse dynamics"
-    assert answers[0]["q"] == answers[1]["q"]
-
-
 MODEL = """
 from codegen import Model
 
