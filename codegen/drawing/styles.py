@@ -9,8 +9,9 @@ line stands out from its ground with a contrast of at least 3 (WCAG 2.2, 1.4.11)
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from codegen.drawing.picture import Picture
+from codegen.drawing.picture import BLOCK, Picture
 from codegen.drawing.plane_geometry import Points, area
+from codegen.drawing.shapes import Slide, Spring
 
 # Name of what it is for → its colour before a light and before a dark ground.
 _COLORS = {
@@ -134,14 +135,15 @@ def color_of(name: str, body: int) -> str:
 def ordered(picture: Picture, strokes: Iterable[Stroke]) -> list[Stroke]:
     """All strokes and the bodies' outlines in the order in which they are drawn.
 
-    First the ground, then bodies, the largest at the back, then what lies between bodies, pins, and
-    signs. The lines of a body's polygons are drawn before their insides, so that polygons that
-    overlap look like one.
+    First the ground and springs that end within a block, then bodies, the largest at the back, then
+    what lies between bodies, pins, and signs. The lines of a body's polygons are drawn before their
+    insides, so that polygons that overlap look like one.
     """
     layers: dict[str, list[Stroke]] = {name: [] for name in LAYERS}
     own: list[list[Stroke]] = [[] for _ in picture.bodies]
+    behind = springs_of_blocks(picture)
     for stroke in strokes:
-        layer = STYLES[stroke.style].layer
+        layer = "ground" if stroke.element in behind else STYLES[stroke.style].layer
         (own[stroke.body] if layer == "bodies" else layers[layer]).append(stroke)
     sizes = [size_of(picture, number, lines) for number, lines in enumerate(own)]
     for number in sorted(range(len(own)), key=lambda n: -sizes[n]):
@@ -150,6 +152,17 @@ def ordered(picture: Picture, strokes: Iterable[Stroke]) -> list[Stroke]:
             layers["bodies"] += [Stroke(style, number, points, True) for points in outlines]
         layers["bodies"] += sorted(own[number], key=lambda stroke: STYLES[stroke.style].depth)
     return [stroke for layer in layers.values() for stroke in layer]
+
+
+def springs_of_blocks(picture: Picture) -> set[str]:
+    """Springs that end within a block: behind it they look as if they were fixed to its side."""
+    blocks = {place.body for _, slide in picture.having(Slide) for place in (slide.i, slide.j)}
+    return {
+        symbol.element
+        for symbol, spring in picture.having(Spring)
+        for place in (spring.i, spring.j)
+        if place.body and place.body in blocks and abs(place.point) < BLOCK[0] * picture.size
+    }
 
 
 def size_of(picture: Picture, number: int, own: Iterable[Stroke]) -> float:
