@@ -133,6 +133,7 @@ def sources() -> dict[Path, bytes]:
 ROOMS = ("core", "linalg", "constraints", "singularity", "hybrid", "integrate")
 _OF_CONSTANTS = (
     "assembly/joint_closing.py",
+    "results/samples.py",
     "sweeps/ensemble_arrays.py",
 )
 _FOLDER = own_folder(LIBRARY / "runtime", [*sources().values()])
