@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from benchmarks.report import Report, records, verdict
 
-BARS = {"from nothing": 15.0, "new scene": 1.0, "new process": 1.0}  # s
+BARS = {"from nothing": 20.0, "new scene": 1.5, "new process": 0.8}  # s
 MACHINES = (("four_bar", "constant_torque"), ("slider_crank", "compressor"))
 _MODELS = Path(__file__).resolve().parents[1] / "models"
 _PROGRAM = """

@@ -19,7 +19,7 @@ Arguments = ParamSpec("Arguments")
 Answer = TypeVar("Answer")
 
 PATIENCE = 1.0  # measured: seconds until a bar is shown
-_RUNTIME = "compiling the runtime, once after an installation: about a minute"
+_RUNTIME = "compiling the runtime, once after an installation: up to a minute"
 
 
 def silent(fraction: float) -> None:
@@ -72,7 +72,7 @@ def shows_compilation(function: Callable[Arguments, Answer]) -> Callable[Argumen
 def compilation_shown(wanted: bool = True) -> Iterator[None]:
     """Show what numba compiles in the block, once that has taken a second.
 
-    The runtime is compiled once after an installation, which takes the better part of a minute.
+    The runtime is compiled once after an installation, which takes 10 s to a minute.
     """
     terminal, notebook = sys.stderr.isatty(), "ipykernel" in type(sys.stderr).__module__
     in_main = threading.current_thread() is threading.main_thread()

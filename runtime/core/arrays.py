@@ -1,12 +1,7 @@
 """Types and views of arrays, and the precision of their numbers.
 
-Unit roundoff of double precision, in its one spelling.
-
-Types of what compiled code hands on: arrays for readers and type checkers, and for numba.
-
-Arrays that compiled code borrows: they own nothing, and cost nothing.
-
-The base must outlive them, which holds for workspaces: the caller of compiled code owns them.
+The views that compiled code makes own nothing and cost nothing. The base must outlive them, which
+holds for workspaces: the caller of compiled code owns them.
 """
 
 from collections.abc import Callable

@@ -202,7 +202,7 @@ TABLE.integers("crossed", (1, None))
 TABLE.floats("stop_times", STOPS, allotted=False)
 TABLE.integers("stop_kinds", STOPS, allotted=False)
 
-# Samples and events, made by `recording`.
+# Samples and events, made by `integrate.recording_buffers`.
 TABLE.floats("sample_times", SAMPLE_TIMES, allotted=False)
 TABLE.floats("out_times", OUT_ROWS, allotted=False)
 TABLE.matrix("out_states", OUT_ROWS, (2, COORDINATES), allotted=False)

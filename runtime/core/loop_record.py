@@ -32,7 +32,7 @@ _FLOATS += [
     "finest",  # length of a step that is never too long for them
     "permitted",  # error that a step may have, over the tolerance: 1 but where rounding exceeds it
     "vanishing",  # time from now at which constraints seem to become dependent
-    "tried",  # length of a step that was taken for good, but for this; 0 for none
+    "tried",  # length of a step that met its tolerance, withheld for a singular position; 0: none
     "turn",  # instant at which the step over a singular position begins, or (MISSING) of a position
     "length_across",  # of the step over it; MISSING: half the width of the bend
     "blind_from",  # samples between these two instants stay as they are interpolated

@@ -37,8 +37,8 @@ def evaluate_rhs(context: Context, t: float, state: int, derivative: int) -> int
     """Write the derivative at a stage, the state in row `state`, into row `derivative`.
 
     Where stages are corrected, the state is first; returns the iterations that took, negative
-    where they failed. All but the machine's own equations is one call: a stage with three calls in
-    it takes twice the time, whichever is made.
+    where they failed. All other cases share one call: a stage with three places
+    of calls took twice the time, whichever was made.
     """
     p, modes, lam = context.parameters, context.modes, context.multipliers
     if context[ft.MODIFIED] + context[ft.EACH_STAGE] != 0:

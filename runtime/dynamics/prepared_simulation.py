@@ -215,7 +215,7 @@ class PreparedSimulation:
         return np.where(times == self.given_t, self.begin.t, times)
 
     def run(self, taken: "Coordinates", options: Options, progress: Progress) -> Trajectory:
-        """One integration in the coordinates `taken`; its run in all coordinates."""
+        """Integrate in the coordinates `taken`; returns the trajectory in all coordinates."""
         first, made = self.begin.t, Checkpoints()
         span = max(self.t_end - first, 1e-300)
         path = taken.run(

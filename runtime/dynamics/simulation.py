@@ -13,7 +13,8 @@ integrate  Coordinates, Options      → Trajectory          (runtime.integrate.
   start    table                     → modes, derivative and first length of a step
                                                            (runtime.integrate.initialization)
   advance  table                     → accepted steps      (runtime.integrate.loop, .step,
-                                                           .step_to_event, .step_acceptance)
+                                                           .step_acceptance; its stages call
+                                                           runtime.core.state_derivative)
 jam        Trajectory                → its end, where friction jams or a machine locks up
                                                            (runtime.dynamics.checks.jamming)
 evaluate   Trajectory                → Samples, works      (runtime.dynamics.output_quantities)

@@ -1,8 +1,8 @@
 """The loop over steps.
 
-`advance` is compiled once. Kernels, the method and the larger parts of the loop reach it by the
-function table; all state lies in the run's arrays, so that a run can stop after any step and go on
-with the same bits. Between the parts of a step its length, end and event travel in the run's
+`advance` is compiled once. It calls the kernels, the method and the larger parts of the loop by
+the function table; all state lies in the run's arrays, so that a run can stop after any step and go
+on with the same bits. Between the parts of a step its length, end and event travel in the run's
 record.
 """
 

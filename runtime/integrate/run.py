@@ -38,7 +38,8 @@ Progress = Callable[[float, int], None]
 Change = Callable[["Run", int], tuple["Run", int]]
 """Called after the start and between chunks with the run and its signal, or code of an outcome.
 
-It answers with those with which the run goes on, perhaps in other coordinates.
+It returns the run and the signal to go on with: usually the same run, else one in other
+coordinates.
 """
 
 _FIRST_CHUNK = 128  # measured: steps before an interrupt is heard, as before the run

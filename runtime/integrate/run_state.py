@@ -55,7 +55,7 @@ class RunState:
         self.wiring = wire(system, options.method, self.p, 4 * LOG_MARGIN)
         self.table, arrays = self.wiring
         self.record: np.void = arrays["record"][0]  # see `core.loop_record`
-        # (ROWS, 2, n) and (SWITCH_ROWS, s), see `core.workspace`
+        # (ROWS, 2, n) and (SWITCH_ROWS, s), see `core.workspace_rows`
         self.rows: NDArray[np.float64] = arrays["workspace"].reshape(ws.ROWS, 2, system.coordinates)
         self.switch_rows: Matrix = arrays["switching_rows"].reshape(ws.SWITCH_ROWS, system.switches)
         self.modes: Integers = arrays["modes"]

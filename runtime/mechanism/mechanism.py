@@ -4,8 +4,8 @@ Exact derivatives, reduced equations and the picture are generated into files of
 the scene's, its companions. One belongs to one text of that file, whose SHA-256 it names: with any
 other the slots of ``p`` might differ, and it is built again.
 
-A run goes on in another scene once other joints act: that is found beside the scene's module, or
-built.
+When joints come or go, the run goes on in another scene, whose module is found beside this scene's
+or built.
 """
 
 import re
