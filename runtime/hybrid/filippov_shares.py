@@ -9,7 +9,7 @@ or a rigid contact is closed. With accelerations a⁰ and a¹ of modes 0 and 1 t
 the share α between bounds: 0 and 1; wider by the ratio of the coefficients where friction sticks.
 A rigid contact has a¹ without its force and a⁰ with a unit of it; g̈ = 0 decides, and the reaction
 is 1 - α units, from 0 to infinity; of a freewheel too, with dg/dt = 0. Friction in a joint has a⁰
-without its force and a¹ with a unit of it (`stiction_force`). Several functions slide by as many
+without its force and a¹ with a unit of it (`rest_forces`). Several functions slide by as many
 shares at once: forces of different effects add up, so that the accelerations of one changed mode
 each are enough.
 

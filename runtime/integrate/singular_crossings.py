@@ -233,7 +233,7 @@ class Crossings:
         return _GOING if self._approach(position, ahead) else self._cross()
 
     def _end(self, site: Site, position: Singularity | None = None) -> int:
-        """End the run in a singular position, which names the constraint unless the loop has."""
+        """End the run; without a position the constraint that the loop named stays."""
         if position is not None:
             self.record["index"] = int(position.rows.argmax())
         self.record["site"] = site

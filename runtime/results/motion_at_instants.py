@@ -156,7 +156,7 @@ def finite_numbers(given: Any) -> FloatArray | None:
     """A number, or some in one dimension, (k,); None where any is none or not finite."""
     try:
         found = np.asarray(None if np.ma.is_masked(given) else given)
-    except (TypeError, ValueError):
+    except Exception:  # of an array of another library as well
         return None
     fits = found.dtype.kind in "iuf" and found.ndim < 2 and found.size > 0
     return np.atleast_1d(found.astype(float)) if fits and np.isfinite(found).all() else None

@@ -5,6 +5,7 @@ from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from contextlib import suppress
 from copy import copy
 from threading import Event
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -43,9 +44,11 @@ NOT_RUN = "not run"
 """The outcome of a member that an interruption left out."""
 _BLOCK = 32  # measured: members that a thread takes at a time, at most
 _SHARES = 8  # safety: blocks for each thread, so that all end at about the same time
-# measured: trial steps of a call of the compiled loop, which takes milliseconds up to tenths of a
-# second; behind it threads look whether they are to stop
-_STEPS = 4096
+_FIRST_STEPS = 512  # measured: trial steps of the first call of the compiled loop
+_MOST_STEPS = 1 << 20  # safety: of any call
+# measured: s of a call, up to which its steps double, and twice that; behind it threads look
+# whether they are to stop
+_CALL = 0.025
 _LOOK = 0.1  # measured: s between two looks at the threads
 _TRIED = 64  # safety: members of which the compiled loop must finish a part, to be gone on with
 # measured: part of them that is left to single runs, from which on it does not pay
@@ -71,7 +74,8 @@ def run_ensemble(
             f"{title}: {what} take {needed / _MEGABYTE:.0f} MB, and max_bytes permits "
             f"{max_bytes / _MEGABYTE:.0f} MB. Take fewer instants or runs, or raise max_bytes."
         )
-    require_memory(title, what, needed, "Take fewer instants or runs.")
+    # The dataset is made while the samples that it is made of are still there.
+    require_memory(title, what, 2 * needed, "Take fewer instants or runs.")
     runs = Runs(mechanism, t_end, members, times, options)
     with suppress(KeyboardInterrupt):  # members that were not run say so
         make_runs(runs, runs.make_pattern(), threads, progress)
@@ -285,7 +289,7 @@ class Worker:
 
     def __init__(self, runs: Runs, size: int, stopped: Event) -> None:
         self.runs, self.size, self.stopped, self.made = runs, size, stopped, runs.made
-        self.tried = self.left = 0  # by the compiled loop, to single runs
+        self.steps, self.tried, self.left = _FIRST_STEPS, 0, 0  # left: to single runs
         self.ended = 0  # members with a row
         if self.made is not None:
             self.own, self.pointed_to = self.made.own()
@@ -309,7 +313,13 @@ class Worker:
         if made is None:
             return
         while at < last and not self.stopped.is_set():
-            before, at = at, run_members(made.common, self.own, results, at, last, _STEPS)
+            began, before = perf_counter(), at
+            at = run_members(made.common, self.own, results, at, last, self.steps)
+            took = perf_counter() - began
+            if took < _CALL:
+                self.steps = min(2 * self.steps, _MOST_STEPS)
+            elif took > 2.0 * _CALL:
+                self.steps = max(1, self.steps // 2)
             self.ended += int((results.status[before:at] != LEFT).sum())
             tell()
         self.tried += last - first

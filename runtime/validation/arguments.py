@@ -117,11 +117,15 @@ def check(
     InputError
         One sentence for each argument that does not fit.
     """
-    start = either(_values, _state_of(
+    state = _state_of(
         mechanism,
         "it must be what assemble() returns, a result or its state(t), a saved one as "
         'load_result("run.nc") gives it, or values by name, such as {"crank.phi": 0.5}.',
-    ))  # fmt: skip
+    )
+
+    def start(value: Any) -> Any:
+        return _values(value) if isinstance(value, Mapping) else state(value)
+
     at = either(_instant, _state_of(
         mechanism,
         "it must be an instant in s, or a state: what assemble() returns, a result or its "

@@ -1,5 +1,6 @@
 """Arguments of the wrong kind are refused at the door, in a sentence, before anything runs."""
 
+import inspect
 from typing import Any
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 
 from codegen.errors import InputError
 from runtime.machine_facade import Machine
+from runtime.validation.arguments import KINDS
 
 NAN = float("nan")
 
@@ -106,3 +108,11 @@ def test_unknown_quantities_are_refused_before_anything_runs(
     monkeypatch.setattr("runtime.accuracy_target.search.PreparedSimulation", never)
     with pytest.raises(InputError, match=r"no series 'a'.*\n.*no series 'b'"):
         pendulum.simulate(0.01, accuracy=1e-4, quantities=np.array(["a", "b"]), progress=False)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    "method", ["simulate", "ensemble", "kinematics", "inverse_dynamics", "equilibrium", "assemble"]
+)
+def test_every_argument_of_an_analysis_has_a_reader(method: str) -> None:
+    arguments = {*inspect.signature(getattr(Machine, method)).parameters}
+    assert arguments - {*KINDS} <= {"self", "start", "starts", "until"}
