@@ -7,6 +7,7 @@ import numpy as np
 
 from codegen.drawing.contacts import contact_line, heights, is_far
 from codegen.drawing.guides import (
+    block_half_length,
     circles_of,
     guide_ends,
     guide_of,
@@ -112,9 +113,9 @@ def _outlines(picture: Picture, body: int) -> tuple[Points, ...]:
                     bars.append(guide_ends(picture, guide))
                     polygons.append(rounded_hull(bars[-1], half_width))
                 if guide.block.body == body and parallel_rack(picture, guide) is None:
+                    reach, across = block_half_length(picture, guide), BLOCK[1] * picture.size
                     seats.append(guide.block.point)
-                    sides = (side * picture.size for side in BLOCK)
-                    polygons.append(box(seats[-1], guide.along_in_block, *sides))
+                    polygons.append(box(seats[-1], guide.along_in_block, reach, across))
             case Slot() as shape if shape.i.body == body:
                 bars.append(slot_ends(picture, guide_of(picture, shape)))
                 polygons.append(rounded_hull(bars[-1], CHEEK * picture.size))

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from codegen.drawing.picture import BLOCK, HATCH, Picture
+from codegen.drawing.picture import BLOCK, HATCH, SAME, Picture
 from codegen.drawing.plane_geometry import (
     FloatArray,
     Points,
@@ -123,9 +123,9 @@ def is_far(gaps: FloatArray, size: float) -> bool:
 
 
 class Surface(NamedTuple):
-    """A straight surface of the ground, of a contact."""
+    """A straight surface of the ground, of contacts."""
 
-    element: str
+    element: str  # the first of those that share it
     middle: Any  # m
     normal: Any  # towards the body
     half: float  # half its length, m
@@ -148,12 +148,13 @@ def surfaces(picture: Picture, fixed: bool) -> list[Surface]:
     In a motion a surface that keeps its direction is as long as its body travels along it while it
     is near.
     """
-    found = (
-        _surface_of(picture, symbol.element, side)
-        for symbol, side in picture.having(ContactSide)
-        if side.is_grounded and side.is_fixed == fixed
-    )
-    return [one for one in found if one is not None]
+    found: list[Surface] = []
+    for symbol, side in picture.having(ContactSide):
+        if side.is_grounded and side.is_fixed == fixed:
+            one = _surface_of(picture, symbol.element, side)
+            if one is not None:
+                _join(found, one, picture.size)
+    return found
 
 
 def _surface_of(picture: Picture, element: str, side: ContactSide) -> Surface | None:
@@ -176,6 +177,20 @@ def _surface_of(picture: Picture, element: str, side: ContactSide) -> Surface | 
         at += ((first + last) / 2 - dot(along, origin(here))) * along
         half += (last - first) / 2
     return Surface(element, at, normal, half)
+
+
+def _join(found: list[Surface], one: Surface, size: float) -> None:
+    """Add a surface, or lengthen one by it that is near in the same plane."""
+    for k, other in enumerate(found):
+        away = (one.middle - other.middle) * other.along.conjugate()
+        is_same = dot(other.normal, one.normal) > 1 - 1e-9 and abs(away.imag) < SAME * size
+        if is_same and abs(away.real) < other.half + one.half + HALF * size:
+            first = min(-other.half, away.real - one.half)
+            last = max(other.half, away.real + one.half)
+            middle = other.middle + (first + last) / 2 * other.along
+            found[k] = other._replace(middle=middle, half=(last - first) / 2)
+            return
+    found.append(one)
 
 
 def moving_surfaces(picture: Picture) -> list[Surface]:

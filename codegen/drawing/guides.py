@@ -91,18 +91,62 @@ def _travel(
 ) -> FloatArray:
     """Least and greatest position of a place along a line of another body, from `start`, (2,), m.
 
-    It is wider by some room, in typical lengths; without a motion by more of it.
+    It is wider by some room, in typical lengths; without a motion by twice that, and no less than
+    `STILL`.
     """
     poses = picture.poses[None] if picture.motion is None else picture.motion
     s = dot(along, in_frame(picture.path(place), poses[:, body]) - start)
-    more = (STILL if picture.motion is None else room) * picture.size
+    more = (max(STILL, 2 * room) if picture.motion is None else room) * picture.size
     return np.array([s.min() - more, s.max() + more])
 
 
 def slot_ends(picture: Picture, guide: Guide) -> Points:
-    """Where a slot begins and ends, in the frame of its body, (2,), m: where its pin travels."""
-    ends = _travel(picture, guide.block, guide.body, guide.origin, guide.along, 0.02)
+    """Where a slot begins and ends, in the frame of its body, (2,), m: where its pin travels.
+
+    Without a motion that is all of the circle on which the pin turns about the ground, if it does.
+    """
+    room = 0.02
+    ends = _travel(picture, guide.block, guide.body, guide.origin, guide.along, room)
+    if picture.motion is None and (center := _ground_pin(picture, guide.block.body)) is not None:
+        now = ends.mean()
+        reach = np.array([now, *_crank_circle(picture, guide, center, now)])
+        ends = np.array([reach.min(), reach.max()]) + room * picture.size * np.array([-1, 1])
     return np.asarray(guide.origin + ends * guide.along)
+
+
+def _crank_circle(
+    picture: Picture, guide: Guide, center: complex, now: float
+) -> tuple[float, float]:
+    """The travel of a pin that turns about a centre along its slot, m.
+
+    A slot that turns about the ground itself sees distances from its own pin; another one sees the
+    circle from the side.
+    """
+    radius, own = abs(picture.at(guide.block) - center), _ground_pin(picture, guide.body)
+    seen = center if own is None else own
+    middle = dot(guide.along, picture.in_body(seen, guide.body) - guide.origin)
+    if own is None:
+        return middle - radius, middle + radius
+    reach, way = abs(center - own), 1.0 if now >= middle else -1.0
+    return middle + way * abs(reach - radius), middle + way * (reach + radius)
+
+
+def _ground_pin(picture: Picture, body: int) -> complex | None:
+    """Where a body turns about the ground, in the global frame."""
+    for _, pin in picture.having(Pin):
+        ends = pin.i.body, pin.j.body
+        if body in ends and any(map(picture.is_ground, ends)):
+            return complex(picture.at(pin.i))
+    return None
+
+
+def block_half_length(picture: Picture, guide: Guide) -> float:
+    """Half the length of a block, m: less where other blocks are near."""
+    at = picture.at(guide.block)
+    others = [guide_of(picture, shape).block for _, shape in picture.having(Slide)]
+    distances = [abs(picture.at(other) - at) for other in others]
+    nearest = min((d for d in distances if d > SAME * picture.size), default=np.inf)
+    return float(min(BLOCK[0] * picture.size, 0.28 * nearest))
 
 
 def guide_ends(picture: Picture, guide: Guide) -> Points:
@@ -167,7 +211,8 @@ def parallel_rack(picture: Picture, guide: Guide) -> Rack | None:
 def rack_ends(picture: Picture, shape: Rack) -> Points:
     """Where a rack or track begins and ends, in the frame of its body, (2,), m.
 
-    It covers where the wheels of its element touch it, and a part of their circles more.
+    It covers where the wheels of its element touch it, and to both sides 1.1 of their radii more;
+    without a motion twice that.
     """
     ends = np.array([-0.25, 0.25]) * picture.size
     for profile in picture.partners(shape, Profile):

@@ -1,5 +1,7 @@
 """The strokes that are fixed in bodies: pins, supports, guides, wheels, racks, profiles."""
 
+from typing import Any
+
 import numpy as np
 
 from codegen.drawing import shapes
@@ -53,7 +55,7 @@ def lines_in_bodies(picture: Picture) -> list[Stroke]:
         lines.element = surface.element
         for style, points in surface.lines(picture.size):
             lines.add(style, 0, points)
-    return lines.found
+    return lines.once()
 
 
 class _Lines:
@@ -64,6 +66,16 @@ class _Lines:
         self.meshing = Meshing(picture)
         self.element = ""
         self.found: list[Stroke] = []
+
+    def once(self) -> list[Stroke]:
+        """The strokes; of those at one place the first, and of elements that come and go."""
+        passing = {symbol.element for symbol in self.picture.symbols if symbol.spans}
+        kept: dict[Any, Stroke] = {}
+        for one in self.found:
+            at = tuple(np.round(one.points / (SAME * self.picture.size)))
+            own = one.element if one.element in passing else ""
+            kept.setdefault((one.style, one.body, at, own), one)
+        return list(kept.values())
 
     def add(self, style: str, body: int, points: Points, closed: bool = False) -> None:
         self.found.append(Stroke(style, body, points, closed, self.element))
@@ -169,8 +181,11 @@ class _Lines:
         if not picture.is_ground(place.body):
             self.add("fixing", place.body, box(at, 1.0, half, half), True)
             return
-        toward = picture.placed(0j, other.body) - at
-        self._wall(place, toward if abs(toward) > SAME * picture.size else 1.0)
+        every = (one for symbol in picture.symbols for one in shapes.places(symbol.shape))
+        held = [picture.at(one) for one in every if one.body == other.body]
+        far = max(held, key=lambda point: abs(point - at))
+        is_apart = abs(far - at) > SAME * picture.size
+        self._wall(place, (far if is_apart else picture.placed(0j, other.body)) - at)
 
     def _wheel(self, wheel: shapes.Wheel) -> None:
         center, body, module = wheel.center.point, wheel.center.body, self.meshing.module

@@ -112,16 +112,21 @@ class Picture:
         return [one for symbol, one in self.having(*kinds) if symbol.element in elements]
 
     def shifts(self, first: "Picture") -> dict[tuple[str, int], Any]:
-        """Element and body → how far its place there lies from where an alike picture has it, m.
+        """Element and body → how far a place there lies from where an alike picture has it, m.
 
         Places that stay where they are in their bodies are left out.
         """
-        here, there = (
-            {(s.element, place.body): place.point for s in one.symbols for place in places(s.shape)}
-            for one in (self, first)
-        )
-        both = [key for key in here if key in there and np.any(here[key] != there[key])]
-        return {key: here[key] - there[key] for key in both}
+        here, there = self._held(), first._held()
+        both = ((key, zip(there.get(key, ()), here[key], strict=False)) for key in here)
+        return {key: now - was for key, pairs in both for was, now in pairs if np.any(now != was)}
+
+    def _held(self) -> dict[tuple[str, int], list[Any]]:
+        """Element and body → the points of its places there, in its frame, m."""
+        found: dict[tuple[str, int], list[Any]] = {}
+        for symbol in self.symbols:
+            for place in places(symbol.shape):
+                found.setdefault((symbol.element, place.body), []).append(place.point)
+        return found
 
     @property
     def first(self) -> "Picture":

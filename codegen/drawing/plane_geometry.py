@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial import ConvexHull
 
 FloatArray = npt.NDArray[np.float64]
 Points = npt.NDArray[np.complexfloating[Any, Any]]
@@ -71,8 +70,13 @@ def samples(line: Points, spacing: float) -> Points:
 
 
 def convex_hull(points: Points) -> Points:
-    """Corners (k,) of the convex hull of points that lie on no line, counterclockwise."""
-    return np.asarray(points[ConvexHull(pairs(points)).vertices])
+    """Corners (k,) of the convex hull, counterclockwise; all points where they lie on a line."""
+    from scipy.spatial import ConvexHull, QhullError  # here: a compiler needs no hulls
+
+    try:
+        return np.asarray(points[ConvexHull(pairs(points)).vertices])
+    except (QhullError, ValueError):  # ValueError: of points that are not numbers
+        return points
 
 
 def rounded_hull(points: Points, radius: float) -> Points:

@@ -33,7 +33,8 @@ def _table(
     title: str, texts: Sequence[str], numbers: Sequence[str], *parts: Iterable[Row]
 ) -> Table:
     """A table of columns of texts, which fold, then of numbers, its rows in sections."""
-    table = Table(title=title)
+    room = 1 if presentation.terminal_width() >= presentation.ROOMY else 0
+    table = Table(title=title, padding=(0, room))
     for name in texts:
         table.add_column(name, overflow="fold", min_width=3)
     for name in numbers:
@@ -46,10 +47,10 @@ def _table(
 
 
 def _cell(value: str | float | None) -> str:
-    """A text, a whole number or one with a decimal; blank where there is nothing."""
-    if isinstance(value, float):
-        return f"{value:.1f}" if value else ""
-    return str(value or "")
+    """A text, a whole number or one with a decimal; None is blank."""
+    if value is None:
+        return ""
+    return f"{value:.1f}" if isinstance(value, float) else str(value)
 
 
 def part_table(ledger: Ledger) -> Table:
@@ -61,7 +62,8 @@ def part_table(ledger: Ledger) -> Table:
         why = part.kind if part.role == "shared" else f"{part.kind}; {part.why}"
         first = ("total", "", "") if part.role == "" else (part.name, word, why)
         time = [part.nanoseconds] if timed else []
-        return (*first, part.solving, part.total, *time, len(part.events))
+        numbers = [part.solving, part.total, *time, len(part.events)]
+        return (*first, *(n or (None if part.role else n) for n in numbers))
 
     inside = [part for part in ledger.parts if part.acts]
     return _table(
@@ -84,7 +86,8 @@ def run_table(ledger: Ledger, run: RunCosts) -> Table:
     return _table(
         f"{ledger.title}: the run", ("part",), ("events", "steps again", "µs", "% of the run"),
         (
-            (p.name, p.run_events, round(p.run_retakes or 0.0), *costs(p.run_seconds or 0))
+            (p.name, p.run_events or None, round(p.run_retakes or 0.0) or None,
+             *costs(p.run_seconds or 0))
             for p in spent
         ),
         [
@@ -146,7 +149,7 @@ def comparison_table(first: Ledger, second: Ledger, rows: Sequence[Difference]) 
 
     return _table(
         f"{first.model}: A = {first.scene}, B = {second.scene}",
-        ("part",), ("in A", "in B", *(f"{n} {side}" for n in counts for side in ("A", "B", "B-A"))),
+        ("part",), ("in A", "in B", *(h for n in counts for h in (f"{n} A", f"{n} B", "B-A"))),
         map(cells, rows[:-1]), [cells(rows[-1])],
     )  # fmt: skip
 

@@ -27,7 +27,7 @@ from codegen.explain.operations_by_part import (
     timing_stages,
 )
 from codegen.explain.picture import figure, page
-from codegen.explain.terminal_table import notes
+from codegen.explain.terminal_table import comparison_table, notes
 from codegen.lower.lowered_scene import lower
 from codegen.lower.operation_count import operations
 from codegen.reading.model_file import read_model
@@ -203,6 +203,10 @@ def test_two_scenes_side_by_side(root: Path) -> None:
     assert rows["sums"].acts == (True, None)
     for side in (0, 1):
         assert sum(row.operations[side] for row in parts) == total.operations[side]
+    names, *columns = comparison_table(shaper, driven, (*parts, total)).columns
+    motor, spent = list(names.cells).index("motor"), rows["motor"].operations[0]
+    told = [list(column.cells)[motor] for column in columns[-3:]]
+    assert told == [str(spent), "0", f"-{spent}"]
     words = ["--compare", "shaper", "kinematics", "--no-measure", "--json"]
     told = json.loads(CliRunner().invoke(app, ["explain", str(path), *words]).stdout)
     assert [scene["scene"] for scene in told["scenes"]] == ["shaper", "kinematics"]
@@ -230,6 +234,7 @@ def test_tables_fit_the_terminal(root: Path, monkeypatch: pytest.MonkeyPatch, co
     beside = ["explain", path, "--compare", "free_follower", "inverse_dynamics", "--no-measure"]
     answer = CliRunner().invoke(app, beside)
     assert max(map(cell_len, answer.stdout.splitlines())) <= columns
+    assert "…" not in answer.stdout
     whole = CliRunner().invoke(app, ["explain", path, "--no-measure", "--kernels"]).stdout
     assert "kinetic_energy" in whole
 

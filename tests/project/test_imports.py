@@ -32,7 +32,7 @@ def fresh(code: str, cwd: Path) -> str:
         ("import linkwright", {"sympy", "numpy", "numba", "typing", "rich", "typer"}),
         ("from linkwright import load", {"sympy", "matplotlib", "netCDF4"}),
         ("import codegen.errors", {"sympy", "numba", "numpy", "runtime"}),
-        ("from codegen import Model", {"numba", "runtime", "matplotlib"}),
+        ("from codegen import Model", {"numba", "runtime", "matplotlib", "scipy"}),
     ],
 )
 def test_an_import_loads_no_more_than_it_needs(

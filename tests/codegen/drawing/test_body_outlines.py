@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from codegen.drawing.body_outlines import derived_outlines
+from codegen.drawing.guides import guide_of, rack_ends, slot_ends
 from codegen.drawing.picture import BAR, BLOCK, BOB, PARTICLE, BodyPicture, Picture
 from codegen.drawing.plane_geometry import area, contains, pairs
 from codegen.drawing.shapes import (
@@ -104,6 +105,30 @@ def test_a_slot_has_a_bar_that_is_as_long_as_the_motion_needs() -> None:
     bar = np.concatenate(derived_outlines(replace(drawn, bodies=bodies, motion=motion))[1].outlines)
     assert bar.real.min() < 0.0
     assert 1.5 < bar.real.max() < 1.5 + 0.1 * drawn.size
+
+
+def test_a_slot_without_a_motion_is_as_long_as_its_crank_needs() -> None:
+    drawn = rocker(1.0, 0.6)
+    slot = guide_of(drawn, drawn.symbols[2].shape)
+    room = 0.02 * drawn.size
+    assert slot_ends(drawn, slot).real == pytest.approx([0.5 - room, 1.5 + room])
+
+
+def test_a_rack_without_a_motion_has_room_for_its_pinion() -> None:
+    drawn = picture(["pinion", "rack"], [(0.0, 1.0, 0.0), (0.0, 0.0, 0.0)], [
+        ("mesh", "joint", Wheel(Place(1, 0.0, 0.0), 1.0, True)),
+        ("mesh", "joint", Rack(Place(2, 0.0, 0.0), 1.0, 0.0, True)),
+    ])  # fmt: skip
+    assert rack_ends(drawn, drawn.symbols[1].shape) == pytest.approx(np.array([-2.2, 2.2]))
+
+
+def test_blocks_beside_each_other_do_not_overlap() -> None:
+    drawn = picture(["one", "other"], [(0.0, 0.0, 0.0), (0.12, 0.0, 0.0)], [
+        *((f"guide_{k}", "joint", Slide(O, Place(k, 0.0, 0.0), 1.0, 0.0)) for k in (1, 2)),
+        ("far", "joint", Mark(Place(0, 2.0, 0.0))),
+    ])  # fmt: skip
+    (one,), (other,) = (body.outlines for body in drawn.bodies[1:])
+    assert one.real.max() < other.real.min() + 0.12
 
 
 def test_a_closed_profile_is_the_outline() -> None:

@@ -20,7 +20,19 @@ from codegen.drawing.lines_between_bodies import (
 )
 from codegen.drawing.lines_in_bodies import lines_in_bodies
 from codegen.drawing.picture import Picture
-from codegen.drawing.shapes import Belt, Force, Pin, Place, Rack, Rod, SpiralSpring, Spring, Wheel
+from codegen.drawing.shapes import (
+    Belt,
+    Fixing,
+    Force,
+    Mark,
+    Pin,
+    Place,
+    Rack,
+    Rod,
+    SpiralSpring,
+    Spring,
+    Wheel,
+)
 from tests.codegen.drawing.hand_drawn_pictures import picture, slider_crank
 
 ORIGIN, BODY = Place(0, 0.0, 0.0), Place(1, 0.0, 0.0)
@@ -167,6 +179,34 @@ def test_a_spring_that_swings_has_a_support_on_the_ground(turn: float, styles: s
     strokes = lines_in_bodies(replace(drawn, motion=motion))
     assert {s.style for s in strokes if s.body == 0} == styles
     assert [s.style for s in strokes if s.element == "spring" and s.body == 1] == ["pin"]
+
+
+def test_a_mast_that_is_welded_at_its_origin_stands_on_its_wall() -> None:
+    drawn = picture(["mast"], [(0.0, 0.0, 0.0)], [
+        ("weld", "joint", Fixing(ORIGIN, BODY)),
+        ("top", "joint", Mark(Place(1, 0.0, 2.0))),
+    ])  # fmt: skip
+    (wall,) = (s.points for s in lines_in_bodies(drawn) if s.style == "rail")
+    assert np.diff(wall).imag == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_pin_of_two_joints_at_one_place_is_drawn_once() -> None:
+    pins = [(name, "joint", Pin(ORIGIN, BODY)) for name in "AB"]
+    drawn = picture(["arm"], [(0.0, 0.0, 0.0)], pins)
+    assert {s.element for s in lines_in_bodies(drawn) if s.style == "pin"} == {"A"}
+    passing = replace(drawn.symbols[0], spans=((0.0, 1.0),))
+    drawn = replace(drawn, symbols=(passing, drawn.symbols[1]))
+    assert {s.element for s in lines_in_bodies(drawn) if s.style == "pin"} == {"A", "B"}
+
+
+@pytest.mark.parametrize("later", [True, False])
+def test_a_place_that_moves_in_its_body_is_shifted_beside_one_that_stays(later: bool) -> None:
+    def drawn(x: float) -> Picture:
+        marks = [Mark(Place(1, x, 0.0)), Mark(BODY)]
+        own = [("own", "joint", mark) for mark in (reversed(marks) if later else marks)]
+        return picture(["arm"], [(0.0, 0.0, 0.0)], own)
+
+    assert drawn(1.5).shifts(drawn(1.0)) == {("own", 1): 0.5}
 
 
 def test_a_joint_that_is_not_closed_shows_its_gap() -> None:

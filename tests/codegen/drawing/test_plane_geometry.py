@@ -10,6 +10,8 @@ def test_hull_of_a_square_leaves_out_what_lies_inside_and_on_its_edges() -> None
     hull = plane.convex_hull(np.array([0, 2, 1 + 1j, 2 + 2j, 1, 2j, 2 + 1j]))
     assert hull.tolist() == [0, 2, 2 + 2j, 2j]
     assert plane.area(hull) == 4.0
+    for line in ([1j], [0, 1j], [0, 1, 2, 3], [0, np.nan, 1, 1j]):
+        assert plane.convex_hull(np.array(line, dtype=complex)) == pytest.approx(line, nan_ok=True)
 
 
 @pytest.mark.parametrize(
