@@ -15,14 +15,16 @@ from codegen.check.elements import element_problems, unknown
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect, label
 from codegen.declare.returned_values import (
+    LOADS,
     check_attribute,
     expression,
     named,
     own_coordinates,
+    read_part,
     rows,
     words,
 )
-from codegen.declare.symbols import t
+from codegen.declare.symbols import Coordinate, t
 from codegen.declare.value_reader import expression_problem
 from codegen.errors import ModelError
 from codegen.readers.arguments import Reader, flag, mapping, one_of, optional, row
@@ -42,8 +44,8 @@ def check_model(model: "Model") -> list[str]:
     if not model.bodies:
         problems.append(f"model '{model.name}' has no body; declare one with model.body(...).")
     known = known_symbols(model)
-    of_bodies = {body: [*body_problems(model, body, known)] for body in model.bodies.values()}
-    sound = tuple(body for body, found in of_bodies.items() if not found)
+    of_bodies = {name: [*body_problems(model, b, known)] for name, b in model.bodies.items()}
+    sound = tuple(body for name, body in model.bodies.items() if not of_bodies[name])
     forms = (form for choices in model.fidelities.values() for form in choices.values())
     elements: tuple[Constraint | Effect, ...] = (
         *model.joints.values(),
@@ -51,7 +53,7 @@ def check_model(model: "Model") -> list[str]:
         *model.effects.values(),
         *(form for form in forms if not isinstance(form, str)),
     )
-    for element in dict.fromkeys(e for e in elements if e.name not in model.noted):
+    for element in {id(e): e for e in elements if e.name not in model.noted}.values():
         try:
             with errors_at(label(element)):
                 problems += element_problems(model, element, sound, known)
@@ -160,22 +162,22 @@ def _check_returned(body: Body, known: frozenset[sympy.Symbol]) -> None:
 
     def own(value: Any) -> Any:
         if value not in body.coordinates:
-            raise KindError
+            raise KindError(f"it must be a coordinate of body '{body.name}'.")
         return value
 
     pair = row("two expressions", sound, sound)
-    pairs = "a dictionary, pair of coordinates: expression"
-    forces = mapping("a dictionary, coordinate: expression", own, sound)
+    pairs = "a dictionary, pair of its own coordinates: expression"
     readers: dict[str, Reader] = {
         **dict.fromkeys(("angle", "mass", "inertia"), optional(scalar)),
         **dict.fromkeys(("position", "velocity", "mass_centre", "rotation"), pair),
         **dict.fromkeys(("fixed", "turns"), flag),
         "angular_velocity": scalar,
         "mass_matrix": mapping(pairs, row(pairs, own, own), optional(sound)),
-        "inertia_force": forces,
+        "inertia_force": mapping("a dictionary, own coordinate: expression", own, sound),
         "equations": rows("pairs (word, expression)", words, sound),
     }
     for attribute, reader in readers.items():
         check_attribute(body, attribute, reader)
+    loads = mapping(LOADS, one_of("a coordinate", Coordinate), sound)
     with named(body, "torque()"):
-        forces(body.torque(sympy.S.One))
+        read_part(body, "what its torque() returns", loads, body.torque(sympy.S.One))

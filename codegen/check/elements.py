@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Iterator
 from functools import lru_cache
-from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import sympy
@@ -60,10 +59,12 @@ def element_problems(
     yield from faults
     if not faults:
         numbers = [number for condition in conditions_of(element) for number in condition.numbers]
-        found = check.of_effect(bodies)
         if isinstance(element, el.Constraint):
-            found = chain(check.of_statement(), check.of_curves())
-        yield from (*found, *check.unknown_symbols(numbers))
+            yield from check.of_statement()
+            yield from check.of_curves()
+        else:
+            yield from check.of_effect(bodies)
+        yield from check.unknown_symbols(numbers)
 
 
 def effect_problems(

@@ -46,8 +46,11 @@ def check_scene(model: "Model", scene: Scene) -> list[str]:
     where = f"scene '{scene.name}'"
     with errors_at(where):
         check = _SceneCheck(model, scene)
-        found = [*check.problems()] or step_problems(scene, check.parts, check.numbers)
-        return [one_line(f"{where}: {problem}", LONGEST) for problem in found]
+        found = [*check.of_effects(), *(f"{where}: {problem}" for problem in check.problems())]
+        if not found:
+            steps = step_problems(scene, check.parts, check.numbers)
+            found = [f"{where}: {problem}" for problem in steps]
+        return [one_line(problem, LONGEST) for problem in found]
 
 
 class _SceneCheck:
@@ -59,10 +62,10 @@ class _SceneCheck:
         self.numbers = model.defaults | {Parameter(k, real=True): x for k, x in scene.parameters}
 
     def problems(self) -> Iterator[str]:
-        """All of them, without the name of the scene."""
+        """All others, without the name of the scene."""
         yield from self._missing_masses()
         yield from self._missing_parts()
-        yield from self._values_of_elements()
+        self._place_joints()
         yield from self._outputs()
         yield from self._holds()
         yield from self._violated_conditions()
@@ -116,13 +119,16 @@ class _SceneCheck:
                 needed += [s.name.rpartition("_")[0] for s in symbols]
         return list(dict.fromkeys(needed))
 
-    def _values_of_elements(self) -> Iterator[str]:
-        """What elements return for the bodies and values of a scene, where these are other ones."""
-        scene, parts = self.scene, self.parts
-        for joint in parts.joints.values():
+    def _place_joints(self) -> None:
+        """Ask joints with coordinates of their own where they are; ModelError where one fails."""
+        for joint in self.parts.joints.values():
             with errors_at(label(joint)):
                 if own_coordinates(joint):
-                    self.model.place_of(joint, dict((*scene.guess, *scene.start)))  # ModelError
+                    self.model.place_of(joint, dict((*self.scene.guess, *self.scene.start)))
+
+    def of_effects(self) -> Iterator[str]:
+        """What effects return for the bodies of a scene, where these are not all."""
+        scene, parts = self.scene, self.parts
         if scene.bodies != tuple(self.model.bodies):
             symbols = known_symbols(self.model)
             for name, effect in parts.effects.items():

@@ -76,7 +76,7 @@ def returned(
     with named(element, f"{method}()"):
         if (function := getattr(element, method, None)) is not None:
             given = function() if bodies is None else function(bodies)
-            value = _read(element, f"what its {method}() returns", reader, given)
+            value = read_part(element, f"what its {method}() returns", reader, given)
     if known is not None:
         known[key] = element, bodies, value  # which keeps the ids theirs
     return value
@@ -85,10 +85,11 @@ def returned(
 def check_attribute(element: Any, attribute: str, reader: Reader) -> None:
     """Check an attribute of an element or body, None where there is none."""
     with named(element, attribute):
-        _read(element, f"its {attribute}", reader, getattr(element, attribute, None))
+        read_part(element, f"its {attribute}", reader, getattr(element, attribute, None))
 
 
-def _read(element: Any, what: str, reader: Reader, given: Any) -> Any:
+def read_part(element: Any, what: str, reader: Reader, given: Any) -> Any:
+    """What an element or body gave, as it is read; a ModelError names it and says `what` it is."""
     return read_arguments(label(element), {what: reader}, {what: given}, ModelError)[what]
 
 
@@ -268,8 +269,8 @@ _STATEMENT = record(
     own=rows(_OWN, words, one_of(_OWN, Coordinate), name=lambda one: str(one[1])),
 )  # fmt: skip
 _PROFILE = "a tuple of pairs (curve, whether it has to be convex)"
-_LOADS = "a dictionary, coordinate: expression"
-_by_coordinate = mapping(_LOADS, one_of("a coordinate", Coordinate), expression)
+LOADS = "a dictionary, coordinate: expression"
+_by_coordinate = mapping(LOADS, one_of("a coordinate", Coordinate), expression)
 
 
 def _asked(method: str, reader: Reader, otherwise: Any = None) -> Callable[..., Any]:
@@ -359,7 +360,7 @@ def place_near(
     if not coordinates or near is None:
         return {}
     with named(constraint, "near()"):
-        return _read(constraint, "what its near() returns", places, near(dict(numbers)))  # type: ignore[no-any-return]
+        return read_part(constraint, "what its near() returns", places, near(dict(numbers)))  # type: ignore[no-any-return]
 
 
 def closed_curves(constraint: Any) -> tuple[tuple[str, Curve, bool], ...]:

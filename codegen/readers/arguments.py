@@ -120,11 +120,25 @@ def word(*words: str | int) -> Reader:
     """One of a few words, or of a few whole numbers."""
 
     def read(value: Any) -> Any:
-        if not isinstance(value, str | int) or value not in words:
+        plain: Any = value if isinstance(value, str) else finite_float(value)
+        if plain not in words:
             raise KindError(f"it must be one of {', '.join(map(repr, words))}.")
-        return words[words.index(value)]
+        return words[words.index(plain)]
 
     return read
+
+
+def _part(demand: str, reader: Reader, part: Any, what: str, *at: Any) -> Any:
+    """A part as it is read; a misfit says what the whole must be, which part it is, and why."""
+    try:
+        return reader(part)
+    except KindError as misfit:
+        must, which = f"it must be {demand}", " ".join([what, *(shown(k, _SHOWN) for k in at)])
+        why = str(misfit).removeprefix(must).lstrip(".; ")
+        if why.startswith(("entry ", "a key ")):
+            raise KindError(f"{must}; {which}, {why}") from misfit
+        end = f"; {why}" if why else "."
+        raise KindError(f"{must}; {which} is {shown(part)}{end}") from misfit
 
 
 def several(reader: Reader, demand: str, least: int = 0) -> Reader:
@@ -134,10 +148,7 @@ def several(reader: Reader, demand: str, least: int = 0) -> Reader:
         listed = isinstance(value, list | tuple | KeysView) or getattr(value, "ndim", 0) == 1
         if not listed or len(value) < least:
             raise KindError(f"it must be {demand}.")
-        try:
-            return tuple(map(reader, value))
-        except KindError as misfit:
-            raise KindError(f"it must be {demand}.") from misfit
+        return tuple(_part(demand, reader, part, "entry", k) for k, part in enumerate(value))
 
     return read
 
@@ -148,10 +159,8 @@ def row(demand: str, *readers: Reader) -> Reader:
     def read(value: Any) -> tuple[Any, ...]:
         if not isinstance(value, list | tuple) or len(value) != len(readers):
             raise KindError(f"it must be {demand}.")
-        try:
-            return tuple(entry(part) for entry, part in zip(readers, value, strict=True))
-        except KindError as misfit:
-            raise KindError(f"it must be {demand}.") from misfit
+        pairs = enumerate(zip(readers, value, strict=True))
+        return tuple(_part(demand, reader, part, "entry", k) for k, (reader, part) in pairs)
 
     return read
 
@@ -162,10 +171,10 @@ def mapping(demand: str, key: Reader, entry: Reader) -> Reader:
     def read(value: Any) -> dict[Any, Any]:
         if not isinstance(value, Mapping):
             raise KindError(f"it must be {demand}.")
-        try:
-            return {key(k): entry(v) for k, v in value.items()}
-        except KindError as misfit:
-            raise KindError(f"it must be {demand}.") from misfit
+        return {
+            _part(demand, key, k, "a key"): _part(demand, entry, v, "entry", k)
+            for k, v in value.items()
+        }
 
     return read
 

@@ -75,7 +75,7 @@ def valid_scenes(model: Model, names: str | Scene | Sequence[str | Scene] | None
     scenes += [scene for scene in variants if scene not in scenes]
     problems = [problem for s in scenes for problem in check_scene(model, s)]
     if problems:
-        raise ModelError(problems)
+        raise ModelError(dict.fromkeys(problems))
     return scenes
 
 

@@ -5,6 +5,7 @@ Cases stand in a table: declarations, also of elements of one's own whose method
 
 import math
 import re
+from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -33,7 +34,9 @@ def read_table() -> dict[str, list[str]]:
     declaration: list[str] = []
     for is_sentence, block in groupby(lines, lambda line: line.startswith("    ")):
         if is_sentence:
-            cases["\n".join(declaration)] = [sentence.strip() for sentence in block]
+            case = "\n".join(declaration)
+            assert case not in cases, f"{case!r} stands twice"
+            cases[case] = [sentence.strip() for sentence in block]
         else:
             declaration = [*block]
     return cases
@@ -78,7 +81,10 @@ def joint(machine: dict[str, Any], **given: Any) -> Any:
 
 def body(machine: dict[str, Any], **answers: Any) -> Any:
     """A body of one's own, with properties that a case gives."""
-    parts = {word: property(lambda self, answer=answer: answer) for word, answer in answers.items()}
+    parts: dict[str, Any] = {
+        word: answer if word == "torque" else property(lambda self, answer=answer: answer)
+        for word, answer in answers.items()
+    }
     values = {"name": "mine", "model": machine["m"].token, "outlines": ()}
     values |= {word: sympy.S.One for word in ("mass", "inertia") if word not in parts}
     made = {"__init__": lambda self: vars(self).update(values), **parts}
@@ -237,6 +243,62 @@ def test_what_an_effect_returns_for_a_scene_is_checked_for_that_scene(tmp_path: 
     machine["m"].scene("two", ["mine"], without=["b"])
     with pytest.raises(ModelError, match="'mine': unknown symbol 'unknown'"):
         build(machine["m"], out=tmp_path, compile=False)
+
+
+def test_it_is_told_once_for_all_scenes(tmp_path: Path) -> None:
+    machine = machine_and_words()
+    force = {True: {machine["a"].x: sympy.S.One}, False: {machine["a"].x: machine["S"]}}
+    known = machine["m"]
+    known.add(effect(machine, forces=lambda self, bodies: force[len(bodies) == 3]))
+    known.scene("less", ["mine"], without=["b"])
+    known.scene("least", ["mine"], without=["b", "p"])
+    with pytest.raises(ModelError) as caught:
+        build(known, out=tmp_path, compile=False)
+    (told,) = caught.value.problems
+    assert told.startswith("own 'mine': unknown symbol 'unknown'")
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        *(
+            f"joint(reaction=JointReaction((1, 0), sign={sign}), bindings=J.bind(a.at(0, 0)))"
+            for sign in ("1", "-1.0", "Integer(1)", "np.int64(-1)")
+        ),
+        "body(torque=lambda self, value: {a.phi: value})",
+    ],
+)
+def test_an_answer_of_ones_own_that_is_fine(case: str) -> None:
+    known = machine_and_words()
+    declare(case, known)
+    valid_scenes(known["m"], None)
+
+
+def test_elements_that_compare_by_their_fields(tmp_path: Path) -> None:
+    """As plain dataclasses do, which no set or dictionary takes."""
+
+    @dataclass
+    class Push(Effect):
+        name: str
+        body: Body
+        kind = "push"
+
+        def forces(self, bodies: Any) -> Any:
+            return {self.body.x: sympy.S.One}
+
+    @dataclass
+    class Pin(Constraint):
+        name: str
+        body: Body
+        kind = "hold"
+
+        def statement(self) -> Statement:
+            return Statement((self.body.x,), ("x",), None)
+
+    known = machine_and_words()
+    known["m"].add(Push("push", known["b"]))
+    known["m"].add(Pin("hold", known["p"]))
+    build(known["m"], out=tmp_path, compile=False)
 
 
 class Loaded(Body):
