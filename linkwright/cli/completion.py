@@ -34,13 +34,15 @@ def models(incomplete: str) -> list[str]:
     return [name for name in dict.fromkeys(found) if name.startswith(incomplete)]
 
 
-def _of_model(names: Callable[[ModelText], Iterable[str]]) -> Callable[..., list[str]]:
-    """A completion by names of the model on the line, behind a ``max:`` that is typed."""
+def _of_model(
+    names: Callable[[ModelText], Iterable[str]], *, behind_colon: bool = False
+) -> Callable[..., list[str]]:
+    """A completion by names of the model on the line, if wanted behind a ``max:`` that is typed."""
 
     def complete(ctx: typer.Context, incomplete: str) -> list[str]:
-        prefix, colon, rest = incomplete.rpartition(":")
-        found = (name for name in names(_model(ctx)) if name.startswith(rest))
-        return [f"{prefix}{colon}{name}" for name in found]
+        start = incomplete[: incomplete.rfind(":") + 1] if behind_colon else ""
+        found = (f"{start}{name}" for name in names(_model(ctx)))
+        return [name for name in found if name.startswith(incomplete)]
 
     return complete
 
@@ -55,7 +57,7 @@ settings = _of_model(lambda text: (f"{name}=" for name in text.parameters))
 coordinates = _of_model(lambda text: (f"{name}=" for name in text.coordinates))
 quantities = _of_model(lambda text: [
     *text.coordinates, *(f"{name}.{x}" for name in text.elements for x in ("fx", "fy", "torque"))
-])  # fmt: skip
+], behind_colon=True)  # fmt: skip
 
 
 def one_of(*names: str) -> Callable[[str], list[str]]:

@@ -22,7 +22,8 @@ from linkwright.cli.output import write_line
 _OTHERS = {"alternatives", "altered", "at", "body", "misfits", "parameter", "particle", "recompose"}
 _OTHERS |= {"sampled", "scene", "state", "state_equation", "table", "with_", "without"}
 LIBRARY = "the library"
-_DESCRIBED = re.compile(r"^(\w[\w, ]*)\n((?:[ \t]+\S.*\n)*)", re.MULTILINE)
+# A line that is no heading, and the paragraph that is indented under it.
+_DESCRIBED = re.compile(r"^(\S.*)\n(?!-)(?:[ \t]*\n)*((?:[ \t]+\S.*\n)*)", re.MULTILINE)
 _MARKS = re.compile(r"(\*\*?|``?)(\S.*?)\1")
 _LONGEST = 2000  # layout: characters of a line from a docstring
 

@@ -83,16 +83,21 @@ def save_movie(
     rate = gif_rate(rate) if ending == ".gif" else rate
     pace = speed or usual_speed(last - first)
     count = max(2, round((last - first) / pace * rate) + 1)
-    wide = width or WIDTH
-    most = min(MOST_FRAMES, _GIF_BYTES // wide**2) if ending == ".gif" else MOST_FRAMES
-    if count > most:
+    if count > MOST_FRAMES:
         raise InputError(
             f"{file.name}: {count} frames, from {first:.6g} s to {last:.6g} s at speed={pace:.6g} "
-            f"and {rate:.4g} frames a second; the most are {most}. Give a higher speed=, a shorter "
-            "span=, or for a .gif a smaller width=."
+            f"and {rate:.4g} frames a second; the most are {MOST_FRAMES}. Give a higher speed=, a "
+            "shorter span=, or a lower frames_per_second=."
         )
     instants = np.linspace(first, last, count)
-    movie = MovieFigure(moving_picture(result, result.at(instants)).frames(), wide)
+    movie = MovieFigure(moving_picture(result, result.at(instants)).frames(), width or WIDTH)
+    wide, high = movie.size
+    if ending == ".gif" and count * wide * high > _GIF_BYTES:
+        raise InputError(
+            f"{file.name}: {count} frames of {wide} by {high} pixels are more than the "
+            f"{_GIF_BYTES >> 20} MiB that a .gif may take of the memory. Give a smaller width=, a "
+            "lower frames_per_second=, a higher speed=, a shorter span=, or write an .mp4."
+        )
     scale = "" if pace == 1.0 else f",  speed × {pace:.3g}"
     write = _write_gif if ending == ".gif" else _write_mp4
     with bar(f"drawing {file.name}", progress) as report, whole_file(file) as target:

@@ -127,12 +127,12 @@ class Study:
 
     def __getitem__(self, name: str) -> "xr.DataArray":
         """A column by its name: over the factors of a grid, else over the runs."""
-        name = self._column(name, [str(one) for one in self.data.variables])
+        name = self._column(name)
         return self.grid[name] if self._store.about.design.axes else self.data[name]
 
     def unit(self, name: str) -> str:
         """The unit of a factor or quantity, "" where it has none."""
-        return str(self.data[name].attrs.get("units", ""))
+        return str(self.data[self._column(name)].attrs.get("units", ""))
 
     def point(self, run: int) -> dict[str, float]:
         """The values of the factors of a run, by name, in their units."""
@@ -219,7 +219,8 @@ class Study:
 
         return figure(self, self._quantity(quantity))
 
-    def _column(self, name: str, names: Sequence[str], kind: str = "column") -> str:
+    def _column(self, name: str, names: Sequence[str] = (), kind: str = "column") -> str:
+        names = names or [str(one) for one in self.data.variables]
         for found in (name, f"end:{name}"):
             if found in names:
                 return found

@@ -25,7 +25,19 @@ windy, calm
 thrown
     Upwards.
 
+high
+
+    From a tower.
+
+    It is high.
+
 More text.
+
+more
+Sources
+-------
+Stones
+    A book.
 """
 
 raise SystemExit  # a model is read, and not executed
@@ -64,17 +76,19 @@ def completed(line: str, monkeypatch: pytest.MonkeyPatch) -> list[str]:
         ("linkwright simulate st", ["stone.py"]),
         ("linkwright simulate pa", ["parts/"]),
         ("linkwright simulate stone.py --sc", ["--scene"]),
-        ("linkwright simulate stone.py --scene ", ["calm", "dark", "windy", "thrown"]),
+        ("linkwright simulate stone.py --scene ", ["calm", "dark", "windy", "thrown", "high"]),
         ("linkwright simulate --scene w", ["windy"]),
         ("linkwright simulate stone.py --set ", ["mass="]),
         ("linkwright simulate --t-end 1 stone.py --start stone.p", ["stone.phi="]),
         ("linkwright matters stone.py --quantity max:wi",
          ["max:wind.fx", "max:wind.fy", "max:wind.torque"]),
+        ("linkwright sweep stone.py --over mass=0.06:", []),
+        ("linkwright simulate stone.py --start a:", []),
         ("linkwright simulate stone.py --method r", ["radau5"]),
         ("linkwright elements revolute-", ["revolute-revolute", "revolute-translational"]),
         ("linkwright new x --kind four", ["four-bar"]),
         ("linkwright simulate stone.py --formulation ", ["cartesian", "reduced"]),
-        ("linkwright simulate nothing.py --scene ", ["calm", "dark", "windy", "thrown"]),
+        ("linkwright simulate nothing.py --scene ", ["calm", "dark", "windy", "thrown", "high"]),
     ],
 )  # fmt: skip
 def test_completed(
@@ -116,7 +130,16 @@ def test_scenes_have_their_lines(folder: Path) -> None:
         "dark": "",
         "windy": "With and without wind.",
         "thrown": "Upwards.",
+        "high": "From a tower.",
     }
+
+
+def test_a_section_behind_that_of_the_scenes_has_none(tmp_path: Path) -> None:
+    file = tmp_path / "stone.py"
+    file.write_text(MODEL.replace("More text.\n\nmore\n", ""))
+    text = read_model_text(file)
+    assert text is not None
+    assert list(text.scenes) == ["calm", "dark", "windy", "thrown", "high"]
 
 
 def test_kinds_are_those_that_are_registered() -> None:

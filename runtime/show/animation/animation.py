@@ -227,7 +227,7 @@ def animated(result: "Result") -> "Result":
     """The result at the instants of its frames; of a run that took long, its own samples.
 
     Between two instants no body turns by more than `TURN`, if the page has room for so many; else
-    the instants lie at equal turns.
+    those that are added lie at equal turns.
     """
     span = float(np.ptp(result.t)) if len(result.t) else 0.0
     room = _VALUES / _columns(result)
@@ -251,19 +251,20 @@ def turns(result: "Result") -> FloatArray:
 
 
 def instants_between(t: FloatArray, turned: FloatArray, room: int) -> FloatArray:
-    """Instants to add between those of `t`, (k,), no more than `room`, s: at equal turns.
+    """Instants to add between those of `t`, (k,), no more than `room`, s.
 
     Parameters
     ----------
     turned : (k - 1,)
-        The turn from each instant to the next, rad. Each part of it is to be at most `TURN`, or as
-        small as the room permits.
+        The turn from each instant to the next, rad. Those above `TURN` are parted: each into equal
+        parts of at most `TURN`, or, without the room for them, all together into equal parts.
     """
-    whole = np.cumsum([0.0, *turned])
-    if turned.max(initial=0.0) <= TURN:
-        return np.empty(0)
-    count = min(room, int(np.ceil(whole[-1] / TURN)))
-    return np.interp(np.linspace(0.0, whole[-1], count + 2)[1:-1], whole, t)
+    parts = np.maximum(np.ceil(turned / TURN).astype(int), 1)
+    if np.sum(parts - 1) <= room:
+        split = [np.linspace(t[k], t[k + 1], parts[k] + 1)[1:-1] for k in np.flatnonzero(parts > 1)]
+        return np.concatenate([np.empty(0), *split])
+    whole = np.cumsum([0.0, *np.where(parts > 1, turned, 0.0)])
+    return np.interp(np.linspace(0.0, whole[-1], max(room, 0) + 2)[1:-1], whole, t)
 
 
 def _columns(result: "Result") -> int:

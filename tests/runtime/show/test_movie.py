@@ -123,6 +123,32 @@ def test_what_cannot_be_a_movie_is_refused(
     assert list(tmp_path.iterdir()) == []
 
 
+def test_the_memory_of_a_gif_is_that_of_its_frames(
+    run: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words: dict[str, Any] = {"width": 320, "span": (0.0, 0.2), "speed": 1.0, "progress": False}
+    part = run.at(np.linspace(0.0, 0.2, 8))
+    wide, high = MovieFigure(moving_picture(run, part).frames(), 320).size
+    monkeypatch.setattr(movie, "_GIF_BYTES", 8 * wide * high)  # at 100 / 3 frames a second
+    assert save_movie(run, tmp_path / "a.gif", **words).exists()
+    monkeypatch.setattr(movie, "_GIF_BYTES", 8 * wide * high - 1)
+    advice = rf"8 frames of 320 by {high} pixels.*lower frames_per_second=.*or write an \.mp4"
+    with pytest.raises(InputError, match=advice):
+        save_movie(run, tmp_path / "b.gif", **words)
+
+
+@pytest.mark.parametrize("ending", ["gif", "mp4"])
+def test_too_many_frames_are_refused_without_advice_on_another_file(
+    run: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ending: str
+) -> None:
+    monkeypatch.setattr(movie, "ffmpeg", lambda: "false")
+    with pytest.raises(
+        InputError, match=r"the most are 20000\..*span=, or a lower frames_per"
+    ) as e:
+        save_movie(run, tmp_path / f"run.{ending}", speed=1e-6)
+    assert "width" not in str(e.value)
+
+
 def test_all_that_is_wrong_is_said_at_once(run: Result, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"(?s)ends in.*no motion between 2 s and 1 s"):
         save_movie(run, tmp_path / "a.mov", span=(2.0, 1.0))

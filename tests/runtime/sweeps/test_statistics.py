@@ -44,6 +44,8 @@ def test_indices_of_any_sample(sampled: Study, study: Study) -> None:
         study.sensitivity()
     with pytest.raises(InputError, match="nearest"):
         sampled.sensitivity("max:B.fy")
+    with pytest.raises(InputError, match=r"nearest: max:B\.fx"):
+        sampled.unit("max:B.fy")
 
 
 def test_a_tolerance_stack(sampled: Study) -> None:

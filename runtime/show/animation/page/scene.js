@@ -28,7 +28,7 @@ export class Scene {
     this.turns = turnsBetween(this.bodies, this.times.length);
     this.largestTurn = this.turns.reduce((largest, turn) => Math.max(largest, turn), 0);
     const { symbols } = run;
-    this.kinds = Object.fromEntries(symbols.map(({ element, kind }) => [element, kind]));
+    this.kinds = Object.fromEntries([...symbols, ...run.arrows].map(({ element, kind }) => [element, kind]));
     this.links = symbols.filter(({ lines }) => lines);
     this.drives = symbols.filter(({ shape }) => shape === "drive");
     this.traces = symbols.filter(({ path }) => path);

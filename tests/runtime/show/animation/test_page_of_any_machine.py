@@ -52,9 +52,24 @@ def test_instants_follow_the_turn_and_the_room() -> None:
     between = instants_between(t, turned, 100)
     assert np.all((between > 0.0) & (between < 3.0))
     turns = np.interp(np.union1d(t, between), t, [0.0, *np.cumsum(turned)])
-    assert np.diff(turns).max() <= TURN
+    assert np.diff(turns).max() <= TURN * (1 + 1e-9)
     counts = [len(instants_between(t, k * turned, room)) for k, room in ((1, 4), (1, 0), (0, 9))]
     assert counts == [4, 0, 0]
+    assert len(instants_between(t, turned, -5)) == 0
+
+
+def test_steps_without_a_large_turn_are_not_split() -> None:
+    t, turned = np.arange(6000.0), np.full(5999, 0.14)
+    turned[2000] = 0.2
+    assert instants_between(t, turned, 14_000) == pytest.approx([2000.5])
+    turned[3000] = 0.9
+    assert instants_between(t, turned, 1) == pytest.approx([3000 + 0.35 / 0.9])
+
+
+def test_what_is_not_finite_at_first_has_its_kind_by_its_arrow(show: Open, tmp_path: Path) -> None:
+    pushed = pushed_crank(np.array([0.0, 1.0, 2.0]), np.array([np.nan, 1.0, 1.0]))
+    page = show(page_of(tmp_path / "late.html", pushed))
+    assert page.evaluate("player.scenes[0].kinds") == {"A": "revolute", "E1": "own"}
 
 
 def test_angles_of_many_turns_keep_their_digits(show: Open, tmp_path: Path) -> None:
