@@ -126,17 +126,19 @@ def is_movie(file: Path) -> bool:
 
 
 def new_table(
-    title: str, caption: str, head: Sequence[str], *sections: Iterable[Sequence[object]], least: int
-) -> "Table":
-    """A table of rows in sections: a first column of names, which folds, then one of numbers each.
+    title: str, head: Sequence[str], *sections: Iterable[Iterable[object]],
+    caption: str | None = None, texts: int = 1, least: int = 3,
+) -> "Table":  # fmt: skip
+    """A table of rows in sections: so many columns of texts, which fold, then those of numbers.
 
-    The first column has `least` characters at least.
+    A column of texts has `least` characters at least.
     """
     from rich.table import Table
 
     table = Table(title=title, caption=caption, padding=(0, 1 if terminal_width() >= ROOMY else 0))
-    table.add_column(head[0], overflow="fold", ratio=1, min_width=least)
-    for name in head[1:]:
+    for name in head[:texts]:
+        table.add_column(name, overflow="fold", min_width=least)
+    for name in head[texts:]:
         table.add_column(name, justify="right", no_wrap=True)
     for section in sections:
         for row in section:

@@ -32,18 +32,9 @@ Row = tuple[str | float | None, ...]
 def _table(
     title: str, texts: Sequence[str], numbers: Sequence[str], *parts: Iterable[Row]
 ) -> Table:
-    """A table of columns of texts, which fold, then of numbers, its rows in sections."""
-    room = 1 if presentation.terminal_width() >= presentation.ROOMY else 0
-    table = Table(title=title, padding=(0, room))
-    for name in texts:
-        table.add_column(name, overflow="fold", min_width=3)
-    for name in numbers:
-        table.add_column(name, justify="right", no_wrap=True)
-    for rows in parts:
-        for row in rows:
-            table.add_row(*map(_cell, row))
-        table.add_section()
-    return table
+    """A table of columns of texts, then of numbers, its rows in sections."""
+    sections = ((map(_cell, row) for row in rows) for rows in parts)
+    return presentation.new_table(title, (*texts, *numbers), *sections, texts=len(texts))
 
 
 def _cell(value: str | float | None) -> str:

@@ -205,7 +205,7 @@ class WorkPrecision(Answer):
         head = ["setting", "3 digits", "6 digits", "9 digits", "most", "slope", "E/rtol", "failed"]
         lines = [(line.setting.title, *_score(self, line)) for line in self.lines]
         choices = [(choice.title, *_score_of_choice(choice)) for choice in self.choices]
-        times = new_table(title, caption, head, lines, choices, least=14)
+        times = new_table(title, head, lines, choices, caption=caption, least=14)
         against = " (against the reference)" if self.energy == "reference" else ""
         caption = (
             "largest |Φ| over the machine's size, |Φ_q q̇ - ν| over the largest speed, energy "
@@ -214,7 +214,7 @@ class WorkPrecision(Answer):
         head = ["setting", "rtol", "steps", "rej.", "rhs", "Newton", "J", "LU", "|Φ|", "|Φ̇|"]
         rows = [row for line in self.lines for row in _work(line)]
         title = "the loosest run with 6 digits"
-        return times, new_table(title, caption, [*head, "energy"], rows, least=14)
+        return times, new_table(title, [*head, "energy"], rows, caption=caption, least=14)
 
 
 def digits(error: float) -> str:

@@ -170,7 +170,8 @@ class Matters(Answer):
         )
         head = ("without", "change", "relative", "acc.", "all", "steps", "events", "time",
                 "verdict")  # fmt: skip
-        return (new_table(self.title, caption, head, [first], rows, last, least=9),)
+        sections = [first], rows, last
+        return (new_table(self.title, head, *sections, caption=caption, least=9),)
 
     def sentences(self, *, whole: bool = False) -> Iterator[str]:
         """Uncertainty, influence and cost of each effect, the proposal, notes."""
