@@ -8,7 +8,7 @@ import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from runtime.results.result import Result
 from runtime.results.samples import FloatArray
 from runtime.results.saved_result import GROUP, saved_result
 from runtime.results.zarr_store import write_store
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 _LONGEST = 63  # layout: characters of a name in MATLAB (namelengthmax)
 _KEYWORDS = {
@@ -98,6 +101,16 @@ def columns(result: Result) -> Iterator[tuple[str, str, FloatArray]]:
 def table(result: Result) -> dict[str, FloatArray]:
     """The columns by their headings, with the unit in brackets."""
     return {f"{name} [{unit}]" if unit else name: x for name, unit, x in columns(result)}
+
+
+def frame(result: Result) -> "pd.DataFrame":
+    """The columns with the time as index; their units are in the attributes."""
+    import pandas as pd
+
+    values = {name: x for name, _, x in columns(result)}
+    found = pd.DataFrame(values, pd.Index(values.pop("time"), name="time"))
+    found.attrs["units"] = {name: unit for name, unit, _ in columns(result)}
+    return found
 
 
 def _write_csv(result: Result, path: Path) -> None:

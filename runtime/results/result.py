@@ -30,6 +30,7 @@ from runtime.results.samples import FloatArray, Partition, Samples, plain
 from runtime.results.series_lookup import TimeSeries, html_of_result, text_of
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
     from matplotlib.figure import Figure
 
@@ -132,6 +133,12 @@ class Result(TimeSeries):
         from runtime.results.dataset import dataset
 
         return dataset(self)
+
+    def to_pandas(self) -> "pd.DataFrame":
+        """A row an instant, a column a series; ``attrs["units"]`` has their units by name."""
+        from runtime.results.export import frame
+
+        return frame(self)
 
     @readers.reads(path=readers.path)
     def save(self, path: str | os.PathLike[str]) -> Path:

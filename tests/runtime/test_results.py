@@ -18,6 +18,16 @@ def result(driven: Machine) -> Result:
     return driven.inverse_dynamics(np.linspace(0.0, 1.0, 11))
 
 
+def test_a_frame_has_a_row_an_instant(result: Result) -> None:
+    frame = result.to_pandas()
+    assert len(frame) == len(result.t)
+    assert frame.columns.is_unique
+    np.testing.assert_array_equal(frame.index, result.t)
+    np.testing.assert_array_equal(frame["A.fx"], result.reaction("A", "fx"))
+    assert frame.attrs["units"]["A.fx"] == "N"
+    assert frame.attrs["units"]["time"] == "s"
+
+
 def test_dataset_is_labelled(result: Result) -> None:
     data = result.data
     assert data["q"].dims == ("time", "coordinate")
