@@ -203,7 +203,8 @@ class Declarations:
         """An element of the class, each field read from the argument of its name, or `renamed`.
 
         `where` is what the modeller wrote, if not the kind and the name of the class. Of what is
-        not given, `joints` are those of the model, `on` the bodies in the expressions.
+        not given, `joints` and `connections` are those of the model, `on` the bodies in the
+        expressions.
         """
         where, read = where or f"{cls.kind} '{given['name']}'", SimpleNamespace()
         when = self._read.condition(given.get("when"), where, given.get("label", ""))
@@ -213,8 +214,8 @@ class Declarations:
                 value = self._field(one, word, given[word], where, read)
                 if when is not None and one.metadata.get("gated"):
                     value = acting_while(value, when)
-            elif one.name == "joints":
-                value = MappingProxyType(self.joints)
+            elif one.name in ("joints", "connections"):
+                value = MappingProxyType(getattr(self, one.name))
             elif one.name == "on":
                 given_so_far = vars(read).values()
                 value = self._bodies_in(*(v for v in given_so_far if isinstance(v, sympy.Basic)))

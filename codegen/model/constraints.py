@@ -118,7 +118,7 @@ class Constraints(Declarations):
         line
             Angle of the line from centre `i` to centre `j`, rad, at which the teeth mesh with
             φ_i = φ_j = 0. Left out, it is as the bearings hold the centres, the carrier at φ = 0;
-            without bearings to be seen it is 0.
+            without bearings to be seen it is 0. Bodies that welds join count as one.
         """
 
     @declares(RackAndPinion)

@@ -169,6 +169,7 @@ m.revolute('B', b, arm.at(2, 0))
         f"{ARM}m.belt('D', a, b, 1, 2, carrier=arm)",
         f"{COAXIAL}m.belt('D', a, b, 1, 2, carrier=arm)",
         "m.belt('B', a, b, 1, 2, carrier=m.ground)",
+        f"{ARM}m.weld('W', arm.at(0, 5), m.ground.at(0, 5))\nm.belt('D', a, b, 1, 2)",
     ],
 )
 def test_wheels_that_fit_their_bearings(case: str) -> None:

@@ -56,6 +56,40 @@ def test_planetary_gear_turns_by_willis(tmp_path: Path, cranked: str) -> None:
     assert_allclose(motor - 0.06 * alpha, 0.2 * run.reaction("inner", "fy"), rtol=1e-8)
 
 
+@pytest.mark.parametrize("held", ["sun", "ring", "carrier"])
+def test_a_welded_wheel_turns_like_one_on_a_locked_bearing(tmp_path: Path, held: str) -> None:
+    """Welds of a planetary gear, declared last and away from its axis, over a housing."""
+    turns, place = 0.2, 0.3 * np.array([np.cos(2.0), np.sin(2.0)])
+    angles = []
+    for welded in (False, True):
+        model = Model(f"{held}_{welded}")
+        ground, wheels = model.ground, ("sun", "ring", "carrier", "planet", "housing")
+        sun, ring, carrier, planet, housing = (model.body(name) for name in wheels)
+        model.gear("inner", sun, planet, 0.2, 0.1)
+        model.gear("outer", planet, ring, 0.1, -0.4)
+        model.revolute("pin", carrier.at(*place), planet)
+        for body in (sun, ring, carrier):
+            if not welded or body.name != held:
+                model.revolute(f"{body.name}_pin", ground.at(0, 0), body)
+        model.weld("foot", housing.at(0.2, 0.0), ground.at(0.2, 0.0))
+        if welded:
+            x, y = 0.5 * np.cos(turns), 0.5 * np.sin(turns)
+            model.weld("seam", model.bodies[held].at(0.5, 0.0), housing.at(x, y), angle=-turns)
+        else:
+            model.relative("seam", model.bodies[held], housing, "phi", -turns)
+        cranked = sun if held != "sun" else ring
+        model.driver("crank", cranked.phi, 0.5 * t)
+        c, s = np.cos(turns), np.sin(turns)
+        x, y = np.array([[c, -s], [s, c]]) @ place if held == "carrier" else place
+        guess = {model.bodies[held].phi: turns, planet.x: x, planet.y: y}
+        model.scene("run", drivers=["crank"], analysis="kinematics", guess=guess)
+        run = sound(load(model, folder=tmp_path).kinematics(1.0, 3))
+        angles.append([run.q(f"{name}.phi") for name in wheels])
+    assert_allclose(angles[1], angles[0], atol=1e-9)
+    rates = [angle[2] - angle[0] for angle in angles[1][:3]]
+    assert_allclose(0.2 * (rates[0] - rates[2]), -0.4 * (rates[1] - rates[2]), atol=1e-9)
+
+
 def test_rack_swings_on_a_spring_with_its_pinion(tmp_path: Path) -> None:
     model = Model("rack")
     pinion = model.body("pinion", mass=0.05, inertia=2e-5)

@@ -1,6 +1,7 @@
 """Gears (Haug, section 3.4) and belts, and the bearings and the carrier of two wheels."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from itertools import product
 from typing import Any
 
 import sympy
@@ -23,14 +24,18 @@ from codegen.declare.element_fields import (
     quantity,
     shared_fields,
 )
+from codegen.declare.state import Connection
 from codegen.declare.symbols import given
 from codegen.drawing import shapes
 from codegen.elements.joints.points import SPAN, Revolute
+from codegen.elements.joints.weld import Weld
 from codegen.elements.registry import element
 from codegen.elements.scalar_measures import angle_problems, same_body
 
 ROUNDING = 1e-6
 """accuracy: relative difference of centre distance and radii that rounded inputs explain."""
+SAME = 1e-12
+"""accuracy: m; places of a body that are nearer than this are one."""
 
 SHARE_I, SHARE_J, LINE = given("share_i"), given("share_j"), given("line")
 THETA = LINE + SHARE_I * I.phi + SHARE_J * J.phi
@@ -59,7 +64,8 @@ class Gear(Constraint):
     tangential force at the teeth, `torque` its moment, `fx` is 0. The teeth bear in both
     directions, without play; there is no pressure angle.
 
-    `joints` are those of the model, among which the bearings are looked for.
+    `joints` are those of the model, among which the bearings are looked for: revolute joints, and
+    welds but for those among its `connections`, which come and go.
     """
 
     kind = "gear"
@@ -71,6 +77,13 @@ class Gear(Constraint):
     radius_j: sympy.Expr = quantity("m")
     line: sympy.Expr | None = quantity("rad")
     joints: Mapping[str, Constraint]
+    connections: Mapping[str, Connection]
+
+    def problems(self) -> list[str]:
+        """A wheel without a bearing once a weld is released."""
+        return released_bearings(
+            self, lambda joints: find_carrier(self.i, self.j, joints) is not None
+        )
 
     def statement(self) -> Statement:
         """One equation, m: the distance of centre j from the line that the angles call for."""
@@ -98,7 +111,7 @@ class Gear(Constraint):
             )
             for v, text in radii
         )  # fmt: skip
-        span = find_carrier(self.i, self.j, self.joints)
+        span = find_carrier(self.i, self.j, lasting(self))
         if span is None:
             return conditions
         carrier, dx, dy = span
@@ -113,7 +126,7 @@ class Gear(Constraint):
     def _line(self) -> sympy.Expr:
         if self.line is not None:
             return self.line
-        span = find_carrier(self.i, self.j, self.joints)
+        span = find_carrier(self.i, self.j, lasting(self))
         return sympy.S.Zero if span is None else sympy.atan2(span[2], span[1])
 
     def shapes(self) -> shapes.Shapes:
@@ -126,33 +139,82 @@ def toothed_wheels(*wheels: tuple[Any, sympy.Expr]) -> shapes.Shapes:
     return tuple(shapes.Wheel(at, radius, toothed=True) for at, radius in wheels)
 
 
+def lasting(element: Any) -> dict[str, Constraint]:
+    """The joints of the model without the welds that come and go."""
+    return {
+        name: joint
+        for name, joint in element.joints.items()
+        if not (isinstance(joint, Weld) and name in element.connections)
+    }
+
+
+def released_bearings(
+    element: Any, is_carried: Callable[[Mapping[str, Constraint]], Any]
+) -> list[str]:
+    """The problem of wheels that only a weld which comes and goes keeps on a carrier."""
+    kept, joints = lasting(element), element.joints
+    if is_carried(kept) or not is_carried(joints):
+        return []
+    welds = [name for name in joints if name not in kept]
+    each = {w: {name: joints[name] for name in joints if name != w} for w in welds}
+    needed = [w for w in welds if not is_carried(each[w])]
+    names = " and ".join(f"'{name}'" for name in needed or welds)
+    problem = (
+        f"{label(element)}: a wheel is on its carrier by weld {names}, which comes and goes, and "
+        "without it the wheel has no bearing; give the wheel a revolute joint there, and let "
+        "model.relative(..., 'phi', ...) come and go in place of the weld."
+    )
+    return [problem]
+
+
 def find_carrier(
     i: Point, j: Point, joints: Mapping[str, Constraint]
 ) -> tuple[Body, sympy.Expr, sympy.Expr] | None:
     """The body that keeps two points apart, and the way from `i` to `j` in its frame, m.
 
-    A body does so if each of the points is its own, or sits on it by revolute joints at just this
-    place, over other bodies on the same axle too. None where the declaration shows no such body.
+    A body does so if each of the points is its own, or sits on it by revolute joints or welds at
+    just this place, over other bodies on the same axle too. Where there is none, bodies that welds
+    join anywhere count as one: that with a bearing is chosen, rather than the ground. None where
+    the declaration shows no such body.
     """
-    for first in _axle(i, joints):
-        for second in _axle(j, joints):
-            if first.body is second.body:
-                return first.body, second.sx - first.sx, second.sy - first.sy
+    axles = [_axle(point, joints) for point in (i, j)]
+    found = [(a, b) for a, b in product(*axles) if a.body is b.body]
+    if not found:
+        near = {place.body for axle in axles for place in axle}
+        axles = [_axle(point, joints, anywhere=True) for point in (i, j)]
+        found = [(a, b) for a, b in product(*axles) if a.body is b.body]
+        found.sort(key=lambda pair: (pair[0].body not in near, pair[0].body.fixed))
+    for first, second in found:
+        return first.body, second.sx - first.sx, second.sy - first.sy
     return None
 
 
-def _axle(point: Point, joints: Mapping[str, Constraint]) -> list[Point]:
-    """The point, and those of other bodies that revolute joints keep at the same place."""
-    pins = [pin for pin in joints.values() if isinstance(pin, Revolute)]
+def _axle(point: Point, joints: Mapping[str, Constraint], anywhere: bool = False) -> list[Point]:
+    """The point, and those of other bodies that joints keep at the same place.
+
+    Revolute joints and welds do at theirs, and welds `anywhere` in their bodies.
+    """
+    pins = [pin for pin in joints.values() if isinstance(pin, Revolute | Weld)]
     points = [point]
     for place in points:
         for pin in pins:
-            for here, there in ((pin.i, pin.j), (pin.j, pin.i)):
-                apart = here.sx - place.sx, here.sy - place.sy  # 1.0 and 1 are the same place
-                same = here.body is place.body and all(gap.is_zero for gap in apart)
-                if same and not any(other.body is there.body for other in points):
+            for here, there, way in ((pin.i, pin.j, -1), (pin.j, pin.i, 1)):
+                if here.body is not place.body or any(p.body is there.body for p in points):
+                    continue
+                x, y = place.sx - here.sx, place.sy - here.sy
+                if _is_zero(x) and _is_zero(y):
                     points.append(there)
+                elif anywhere and isinstance(pin, Weld):
+                    c, s = sympy.cos(pin.angle), way * sympy.sin(pin.angle)
+                    points.append(there.body.at(there.sx + c * x - s * y, there.sy + s * x + c * y))
     return points
+
+
+def _is_zero(gap: sympy.Expr) -> bool:
+    """Whether a length is 0 but for rounding, whatever its symbols are."""
+    symbols = sorted(gap.free_symbols, key=str)
+    number = gap.xreplace({s: sympy.Float(2.0 + k) ** 0.5 for k, s in enumerate(symbols)})
+    return bool(number.is_comparable and abs(number) <= SAME)
 
 
 @shared_fields
@@ -167,6 +229,7 @@ class WheelPair:
     radius_j: sympy.Expr = quantity("m")
     offset: sympy.Expr = quantity("m")
     joints: Mapping[str, Constraint]
+    connections: Mapping[str, Connection]
 
     def problems(self) -> list[str]:
         """Wheels without an angle, a wheel for its own carrier, other bearings."""
@@ -185,20 +248,24 @@ class WheelPair:
                 "carries the bearings, or leave it out for the ground."
             )
         else:
-            known = _carriers(i, j, self.joints)
-            found = [body for body in known if body is not i and body is not j]
-            if found and not any(body is carrier for body in found):
+            found = _carriers(i, j, lasting(self))
+            if found and not any(carrier in _welded(body, lasting(self)) for body in found):
                 problems.append(
                     f"{where} turns against '{carrier.name}', but the bearings of '{i.name}' and "
                     f"'{j.name}' are on '{found[0].name}'; give carrier= that body."
                 )
+            problems += released_bearings(self, lambda joints: _carriers(i, j, joints))
+            problems += released_bearings(self, lambda joints: _carriers(i, j, joints))
         return problems
 
 
 def _carriers(i: Body, j: Body, joints: Mapping[str, Constraint]) -> list[Body]:
-    """The bodies that revolute joints show to carry both wheels, coaxial bodies included."""
-    pins = [pin for pin in joints.values() if isinstance(pin, Revolute)]
-    ends = [end for pin in pins for end in (pin.i, pin.j)]
+    """The bodies that joints show to carry both wheels, those on the same axle included.
+
+    A wheel's axle is at a revolute joint or weld of its own, or at its centre of mass.
+    """
+    pins = [pin for pin in joints.values() if isinstance(pin, Revolute | Weld)]
+    ends = [i.at(0, 0), j.at(0, 0), *(end for pin in pins for end in (pin.i, pin.j))]
     found = (
         find_carrier(one, other, joints)
         for one in ends
@@ -206,7 +273,17 @@ def _carriers(i: Body, j: Body, joints: Mapping[str, Constraint]) -> list[Body]:
         for other in ends
         if other.body is j
     )
-    return [carrier[0] for carrier in found if carrier is not None]
+    return [carrier[0] for carrier in found if carrier is not None and carrier[0] not in (i, j)]
+
+
+def _welded(body: Body, joints: Mapping[str, Constraint]) -> list[Body]:
+    """A body and those that welds join with it."""
+    welds = [joint for joint in joints.values() if isinstance(joint, Weld)]
+    found = [body]
+    for one in found:
+        ends = (pair for w in welds for pair in ((w.i, w.j), (w.j, w.i)))
+        found += [b.body for a, b in ends if a.body is one and b.body not in found]
+    return found
 
 
 RADIUS_I, RADIUS_J = given("radius_i"), given("radius_j")
