@@ -67,9 +67,8 @@ def start_of(model: Model, scene: str) -> Array:
 
 
 def arrays(module: ModuleType) -> tuple[Array, Array, Array]:
-    """Those of parameters and workspace, accelerations and multipliers, without parameters."""
-    sizes = getattr(module, "WORKSPACE", 0), len(module.COORDINATES), len(module.CONSTRAINTS)
-    p, a, lam = map(np.zeros, sizes)
+    """Those of parameters, of which there are none, accelerations and multipliers."""
+    p, a, lam = map(np.zeros, (0, len(module.COORDINATES), len(module.CONSTRAINTS)))
     return p, a, lam
 
 

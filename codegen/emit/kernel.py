@@ -150,7 +150,7 @@ class KernelText(Statements):
         slots = arguments.slots(program)
         self.constants = {n: slots[n] for n in self.plan.numbers if n in self.plan.hoisted}
 
-    workspace = 0  # slots behind the constants in ``p`` that it writes
+    workspace = 0  # slots of an array of its own
 
     @property
     def has_pairs(self) -> bool:

@@ -63,10 +63,9 @@ def _text_in_loops(
     """
     slots = arguments.slots(program)
     constants = {k: slots[k] for k in program.hoisted(kernel)}
-    base = arguments.declared + len(program.constants)
-    rolled = Rerolling(program, kernel, constants, base).rolled()
+    rolled = Rerolling(program, kernel, constants).rolled()
     if rolled.statements > LONGEST_KERNEL:
-        rolled = Batching(program, kernel, constants, base).rolled()
+        rolled = Batching(program, kernel, constants).rolled()
     if size is not None and rolled.statements > GAIN * size:
         return KernelText(program, kernel, arguments)
     return RolledKernelText(program, kernel, rolled, arguments)
@@ -78,9 +77,11 @@ def statements(program: Program, kernel: Kernel) -> int:
     return sum(count for op, count in counts if op not in LEAVES) + len(kernel.outputs)
 
 
-OPTIONS = '{"cache": True, "error_model": "numpy", "fastmath": {"contract"}, "_nrt": False}'
-"""Of numba. Kernels make no arrays: without counts of references they compile a sixth faster. They
-keep the entry from C, by which numba passes them as values of a `FunctionType`.
+OPTIONS = '{"cache": True, "error_model": "numpy", "fastmath": {"contract"}'
+BARE = ', "_nrt": False}'
+"""Of numba. Where no kernel has a workspace, none makes arrays: without counts of references they
+compile a sixth faster. They keep the entry from C, by which numba passes them as values of a
+`FunctionType`.
 """
 
 
@@ -110,7 +111,7 @@ def assemble_module(
     """A module from its parts: provenance, docstring, tables, kernels; signed."""
     texts = kernel_texts(program, arguments, origin.unroll)
     tables_of_loops = [line for text in texts for line in text.table_lines()]
-    workspace = max(text.workspace for text in texts) if texts else 0
+    has_arrays = any(text.workspace for text in texts)
     weak = [f"WEAK_PIVOT = {literal(program.weak_pivot)}"]
     generator = " with ".join(filter(None, (origin.generator, origin.engine)))
     lines = [
@@ -122,14 +123,13 @@ def assemble_module(
         "import math  # noqa: F401",
         "",
         "import numba",
-        *(["import numpy as np"] if lookups(program) or tables_of_loops else []),
+        *(["import numpy as np"] if lookups(program) or tables_of_loops or has_arrays else []),
         "",
         *(line for name, value in tables.items() for line in assignment(name, value)),
-        *([f"WORKSPACE = {workspace}"] if workspace else []),
         "",
         *folded_numbers(program),
         *(weak if any(kernel.watched for kernel in program.kernels) else []),
-        f"OPTIONS = {OPTIONS}",
+        f"OPTIONS = {OPTIONS}{'}' if has_arrays else BARE}",
     ]
     lines += spline_lines(program)
     lines += ["", *tables_of_loops] if tables_of_loops else []

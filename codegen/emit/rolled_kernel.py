@@ -9,7 +9,16 @@ from codegen.emit.line_wrapping import filled, literal, prose, wrap_statement
 from codegen.emit.module_functions import lookups
 from codegen.emit.statements import NOTHING, PREFIXES, Scope, Statements
 from codegen.lower.program import LOGICAL, Input, Kernel, Lookup, Output, Program
-from codegen.reroll.parts import Batches, Carried, Entries, Numbers, Part, RolledKernel, Watch
+from codegen.reroll.parts import (
+    WORK,
+    Batches,
+    Carried,
+    Entries,
+    Numbers,
+    Part,
+    RolledKernel,
+    Watch,
+)
 from codegen.reroll.sequence import Slots
 
 COUNTER, RUN = "k", "run"
@@ -57,9 +66,9 @@ class RolledKernelText:
         self.program, self.kernel, self.rolled = program, kernel, rolled
         self.arguments, self._lookups = arguments, lookups(program)
         self.tables: list[Table] = []
-        self.workspace = rolled.workspace  # slots behind the constants in ``p`` that it writes
+        self.workspace = rolled.workspace  # slots of an array of its own
         self.has_pairs = False  # whether it takes sine and cosine together
-        scope = Scope([*kernel.arguments, *self._lookups.values(), COUNTER, RUN])
+        scope = Scope([*kernel.arguments, *self._lookups.values(), COUNTER, RUN, WORK])
         self._body = [
             line
             for part in rolled.parts
@@ -72,7 +81,8 @@ class RolledKernelText:
 
     def lines(self) -> list[str]:
         """The function, line by line."""
-        return [*heading(self.program, self.kernel, self.arguments), *self._body]
+        room = [f"    {WORK} = np.empty({self.workspace})"] if self.workspace else []
+        return [*heading(self.program, self.kernel, self.arguments), *room, *self._body]
 
     def table_lines(self) -> list[str]:
         """The tables that the function reads."""
@@ -120,8 +130,8 @@ class RolledKernelText:
             share = column_text(watch.parts, parts)
             limit = "WEAK_PIVOT" if share == "1.0" else f"{share} * WEAK_PIVOT"
             yield f"    for {COUNTER} in range({len(watch.parts)}):"
-            yield f"        if not p[{pivot}] > {limit} * p[{reference}]:"
-            yield f"            return numba.int64({constraint})"
+            yield f"        if not {WORK}[{pivot}] > {limit} * {WORK}[{reference}]:"
+            yield f"            return {constraint}"
         yield "    return 0"
 
     def _result(self, result: Entries | float | None) -> Iterator[str]:

@@ -14,6 +14,7 @@ from llvmlite import ir  # type: ignore[import-untyped]
 if TYPE_CHECKING:
     from codegen.machine_code.kernel_translation import KernelModule
 
+_ON_STACK = 1 << 16  # safety: bytes of an array there; threads have stacks of 512 kB and more
 DOUBLE, INTEGER, POINTER = ir.DoubleType(), ir.IntType(64), ir.PointerType()
 Number = Any  # a value of LLVM's, which leaves its names untyped
 Value = Any  # a number, an array or a tuple of numbers
@@ -61,6 +62,7 @@ class ExpressionTranslation:
         self._values: dict[str, Value] = {}
         self._places: dict[str, tuple[Any, Any]] = {}  # name → address and kind
         self._locals: frozenset[str] = frozenset()  # names that the function assigns
+        self._on_heap: list[Any] = []  # addresses of arrays that end with the function
 
     def _blocks(self, count: int) -> list[Any]:
         """New blocks, which stand where they begin: what is contracted depends on their order."""
@@ -256,14 +258,32 @@ class ExpressionTranslation:
             case ast.Attribute(value=ast.Name(id="math"), attr="floor") if len(arguments) == 1:
                 rounded = self._external("floor", [*map(signed, arguments)])
                 return self._code.fptosi(rounded, INTEGER)
-            case ast.Attribute(value=ast.Name(id="numba"), attr="int64") if len(arguments) == 1:
-                return self._code.add(self._as(INTEGER, arguments[0]), INTEGER(0))
+            case ast.Attribute(value=ast.Name(id="np"), attr="empty") if len(arguments) == 1:
+                return self._array(arguments[0])
             case ast.Attribute(value=ast.Name(id="math"), attr=name):
                 if _INTRINSICS.get(name) == len(arguments):
                     return self._external(f"llvm.{name}.f64", arguments)
                 if _EXTERNALS.get(name) == len(arguments):
                     return self._external(name, arguments)
         raise UntranslatableError(function)
+
+    def _array(self, length: Number) -> Array:
+        """An array of the function's own, of floating-point numbers.
+
+        Its address is hidden from the optimizer. With arrays of which it knows that no others
+        overlap them it keeps more values in registers than there are, a tenth slower.
+        """
+        if not isinstance(length, ir.Constant) or length.type != INTEGER:
+            raise UntranslatableError(f"an array of {length}")
+        code, size = self._beginning, 8 * length.constant
+        if size <= _ON_STACK:
+            address = code.bitcast(code.alloca(DOUBLE, length), POINTER)
+        else:
+            allocate = self.module.function("malloc", POINTER, INTEGER)
+            address = code.call(allocate, [INTEGER(size)])
+            self._on_heap.append(address)
+        same = ir.FunctionType(POINTER, [POINTER])
+        return Array(code.asm(same, "", "=r,0", [address], False), DOUBLE, (length,))
 
     def _call_of_function(self, name: str, arguments: list[Number]) -> Value:
         """What a function of the text returns."""

@@ -82,14 +82,16 @@ class KernelModule:
 
     def external(self, name: str, arguments: int) -> Any:
         """A function elsewhere, from floating-point numbers to one."""
-        function = self._llvm.globals.get(name)
-        if function is None:
-            kind = ir.FunctionType(DOUBLE, [DOUBLE] * arguments)
-            function = ir.Function(self._llvm, kind, name)
-            if not name.startswith("llvm."):
-                function.attributes.add("readonly")
-                function.attributes.add("nounwind")
+        function = self.function(name, DOUBLE, *[DOUBLE] * arguments)
+        if not name.startswith("llvm."):
+            function.attributes.add("readonly")
+            function.attributes.add("nounwind")
         return function
+
+    def function(self, name: str, result: Any, *kinds: Any) -> Any:
+        """A function elsewhere, of these kinds."""
+        found = self._llvm.globals.get(name)
+        return found or ir.Function(self._llvm, ir.FunctionType(result, kinds), name)
 
     def add(self, kernel: Any, symbol: str) -> None:
         """Add a kernel as numba's callers know it: an array is seven arguments of machine code."""
@@ -354,6 +356,8 @@ class FunctionTranslation(ExpressionTranslation):
         if len(given) != len(self.results) or not as_is:
             raise UntranslatableError(f"a return of {len(given)} numbers")
         numbers = [*map(self._as, self.results, given)]
+        for address in self._on_heap:
+            self._code.call(self.module.function("free", ir.VoidType(), POINTER), [address])
         if len(numbers) == 1:
             (one,) = numbers
         elif numbers:

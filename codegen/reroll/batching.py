@@ -16,7 +16,7 @@ import numpy as np
 
 from codegen.lower.graph import SUMS
 from codegen.lower.program import Input, Kernel, Op, Program, Value
-from codegen.reroll.parts import Batches, Operand, Part, RolledKernel, Store, Workspace
+from codegen.reroll.parts import WORK, Batches, Operand, Part, RolledKernel, Store, Workspace
 from codegen.reroll.sequence import NUMBER, TIME, OperationSequence, Slots
 
 LARGEST = 500_000  # layout: rows of a table with two columns; beyond 1e6 entries numba caches none
@@ -99,9 +99,12 @@ class ExpressionTrees:
         return Tree(tuple(places), tuple(leaves)), tuple(shape)
 
     def _sort(self, number: int) -> tuple[str, bool]:
-        """Where a leaf stands, and whether it is a truth value: alike in all trees of a kind."""
-        sequence = self._sequence
-        return sequence.home(number) or "p", sequence.is_logical(number)
+        """Where a leaf stands, and whether it is a truth value: alike in all trees of a kind.
+
+        In a kind a parameter may stand for a value of the workspace.
+        """
+        sequence, home = self._sequence, self._sequence.home(number)
+        return home if home not in ("", "p") else WORK, sequence.is_logical(number)
 
     def takes(self, tree: int) -> set[int]:
         """Numbers of the trees whose roots a tree takes."""
@@ -142,16 +145,14 @@ class Batching:
     """The trees of a kernel, their schedule, and the workspace.
 
     `program` is that of its values, `constants` map values that it reads in ``p`` instead of
-    computing them to slots there, `base` is the first slot of the workspace.
+    computing them to slots there.
     """
 
-    def __init__(
-        self, program: Program, kernel: Kernel, constants: Mapping[int, int], base: int
-    ) -> None:
+    def __init__(self, program: Program, kernel: Kernel, constants: Mapping[int, int]) -> None:
         self.kernel, self.values = kernel, program.values
         self.sequence = OperationSequence(program, kernel, constants)
         self.trees = ExpressionTrees(self.sequence, kernel)
-        self.workspace = Workspace(self.sequence, kernel, base)
+        self.workspace = Workspace(self.sequence, kernel)
 
     def rolled(self) -> RolledKernel:
         """The kernel in batches."""
@@ -160,6 +161,11 @@ class Batching:
         space.need_results(self.kernel.outputs)
         roots = [numbers[[self.trees.trees[k].places[-1] for k in run]] for run in schedule]
         space.need(*(number for run in roots for number in run.tolist()))
+        leaves: dict[int, list[tuple[int, ...]]] = {}  # of the trees of each kind
+        for kind, tree in zip(self.trees.kinds, self.trees.trees, strict=True):
+            leaves.setdefault(kind, []).append(tree.leaves)
+        for column in (column for rows in leaves.values() for column in zip(*rows, strict=True)):
+            space.need_column(column)
         space.assign(run.reshape(-1, 1) for run in roots)
         parts: list[Part | Batches] = [*space.copies_of_leaves()]
         parts += [self._batches(runs) for runs in _shares(schedule)]
@@ -201,7 +207,7 @@ class Batching:
             value = self.values[number]
             args = tuple(k + shift if k >= 0 else -1 - k for k in row)
             body.append(Value(value.op, args, value.literal, value.serves))
-        store = Store("p", self.workspace.slots[numbers[:, -1]], len(body) - 1)
+        store = Store(WORK, self.workspace.slots[numbers[:, -1]], len(body) - 1)
         return Part(len(trees), tuple(body), tuple(operands), (store,))
 
 

@@ -1,4 +1,4 @@
-"""A kernel as loops: straight parts and loops over turns, on a workspace behind the parameters.
+"""A kernel as loops: straight parts and loops over turns, on a workspace of its own.
 
 A *part* is a small program that is run `count` times. What it takes from outside is an operand:
 entries of arrays, one a turn, numbers, one a turn, or what the turn before it left in a scalar.
@@ -14,6 +14,8 @@ from codegen.lower.program import Input, Kernel, Label, Op, Output, Value
 from codegen.reroll.sequence import NUMBER, OperationSequence, Slots
 
 Numbers = npt.NDArray[np.float64]
+WORK = "work"
+"""The array of a call in which values outlive a turn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +105,7 @@ class RolledKernel:
     parts: tuple[Part | Batches, ...]
     watch: Watch | None
     result: Entries | float | None  # what the kernel returns, where it returns a number
-    workspace: int  # slots of ``p`` behind the constants that it writes
+    workspace: int  # slots of the array `WORK`
 
     @property
     def statements(self) -> int:
@@ -112,15 +114,14 @@ class RolledKernel:
 
 
 class Workspace:
-    """Slots of ``p`` behind the constants, for values that one part computes and another reads.
+    """Slots of the array `WORK`, for values that one part computes and another reads.
 
     First all that needs a slot is named (`need`), then slots are given (`assign`), then operands
     are asked for.
     """
 
-    def __init__(self, sequence: OperationSequence, kernel: Kernel, base: int) -> None:
-        """`base`: the first slot."""
-        self.sequence, self.kernel, self.base = sequence, kernel, base
+    def __init__(self, sequence: OperationSequence, kernel: Kernel) -> None:
+        self.sequence, self.kernel = sequence, kernel
         self.labels = {label.value: label.name for label in kernel.labels}
         self.needed = np.zeros(len(sequence.program.values), dtype=bool)
         # value → its slot, -1 where it has none
@@ -135,13 +136,13 @@ class Workspace:
     def need_column(self, numbers: Sequence[int]) -> None:
         """Ask for slots of what an operand is, turn after turn."""
         column, homes = np.array(numbers), self._homes(numbers)
-        array = homes[0] if len(np.unique(homes)) == 1 else "p"
+        array = homes[0] if len(np.unique(homes)) == 1 else WORK
         is_there = (self.sequence.home_of[column] > 0) & (homes == array)
         self.needed[column[~is_there]] = True
 
     def _homes(self, numbers: Sequence[int]) -> npt.NDArray[np.str_]:
         """The array of each value, the workspace of those that are computed."""
-        names = np.array([home or "p" for home in self.sequence.homes])
+        names = np.array([home or WORK for home in self.sequence.homes])
         homes: npt.NDArray[np.str_] = names[self.sequence.home_of[np.array(numbers)]]
         return homes
 
@@ -160,19 +161,19 @@ class Workspace:
             Values that are computed, each of shape (turns, period); a value of one turn that has a
             slot gives one to those of all its turns.
         """
-        free = self.base
+        free = 0
         for turns in blocks:
             stored = turns[:, self.needed[turns].any(axis=0)]
             self.slots[stored.ravel()] = np.arange(free, free + stored.size)
             free += stored.size
         self.leaves = np.flatnonzero(self.needed & (self.slots < 0)).tolist()
         self.slots[self.leaves] = np.arange(free, free + len(self.leaves))
-        self.size = free + len(self.leaves) - self.base
+        self.size = free + len(self.leaves)
 
     def operand(self, numbers: Sequence[int]) -> Entries | Numbers:
         """The operand that is these values, turn after turn."""
         seq, column, homes = self.sequence, np.array(numbers), self._homes(numbers)
-        array = str(homes[0]) if (homes == homes[0]).all() else "p"
+        array = str(homes[0]) if (homes == homes[0]).all() else WORK
         if array == NUMBER:
             return np.array([seq.program.values[n].literal for n in numbers], dtype=np.float64)
         is_there = (seq.home_of[column] > 0) & (homes == array)
@@ -197,7 +198,7 @@ class Workspace:
 
     def copies_of_leaves(self) -> list[Part]:
         """Parts that copy the leaves to their slots."""
-        return self._copies([(k, "p", int(self.slots[k])) for k in self.leaves])
+        return self._copies([(k, WORK, int(self.slots[k])) for k in self.leaves])
 
     def copies_of_outputs(self, outputs: Iterable[Output]) -> list[Part]:
         """Parts that copy values to the arrays of outputs."""
@@ -207,7 +208,7 @@ class Workspace:
         """Parts that copy leaves, or values of the workspace, to (array, slot)."""
         groups: dict[tuple[str, str], list[tuple[int, int]]] = {}
         for number, array, slot in copies:
-            from_ = self.sequence.home(number) or "p"
+            from_ = self.sequence.home(number) or WORK
             groups.setdefault((from_, array), []).append((number, slot))
         parts = []
         for (_, array), pairs in groups.items():
@@ -223,7 +224,7 @@ class Workspace:
         returned = [self.first(out.value) for out in kernel.outputs if out.array == "return"]
         if kernel.watched:
             rows = [
-                (self._slot(check.pivot), self._slot(check.reference), 1 + check.constraint)
+                (self.slots[check.pivot], self.slots[check.reference], 1 + check.constraint)
                 for check in kernel.checks
             ]
             pivots, references, constraints = np.array(rows, np.int64).reshape(-1, 3).T.copy()
@@ -231,7 +232,3 @@ class Workspace:
             watch = Watch(pivots, references, part, constraints)
         result = returned[0] if returned else None
         return RolledKernel(tuple(parts), watch, result, self.size)
-
-    def _slot(self, number: int) -> int:
-        constants = self.sequence.constants
-        return constants[number] if number in constants else int(self.slots[number])

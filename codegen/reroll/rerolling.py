@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.lower.program import Input, Kernel, Label, Op, Output, Program, Value
-from codegen.reroll.parts import Carried, Operand, Part, RolledKernel, Store, Workspace
+from codegen.reroll.parts import WORK, Carried, Operand, Part, RolledKernel, Store, Workspace
 from codegen.reroll.sequence import (
     NUMBER,
     TIME,
@@ -52,12 +52,10 @@ class Rerolling:
     """The stretches of a kernel, the operands of their bodies, and the workspace.
 
     `program` is that of its values, `constants` map values that it reads in ``p`` instead of
-    computing them to slots there, `base` is the first slot of the workspace.
+    computing them to slots there.
     """
 
-    def __init__(
-        self, program: Program, kernel: Kernel, constants: Mapping[int, int], base: int
-    ) -> None:
+    def __init__(self, program: Program, kernel: Kernel, constants: Mapping[int, int]) -> None:
         self.kernel, self.values = kernel, program.values
         self.sequence = seq = OperationSequence(program, kernel, constants)
         self.sorts = self._sorts()
@@ -66,7 +64,7 @@ class Rerolling:
         unrolled = [with_affine_accesses(s, self._accesses(s, *places)) for s in self.blocks]
         self.stretches = self._cut([piece for pieces in unrolled for piece in pieces])
         self.columns = [self._columns(s) for s in self.stretches]
-        self.workspace = Workspace(seq, kernel, base)
+        self.workspace = Workspace(seq, kernel)
 
     def _cut(self, found: Sequence[Stretch]) -> list[Stretch]:
         """The stretches with turns that stand by themselves where they must."""
@@ -246,7 +244,7 @@ class Rerolling:
         kept = [Store(st.array, st.slots, st.value + shift) for st in stores]
         for position, numbers in enumerate(turns.T):
             if slots_of[numbers[0]] >= 0:
-                kept.append(Store("p", slots_of[numbers], position + shift))
+                kept.append(Store(WORK, slots_of[numbers], position + shift))
         labels = tuple(
             Label(position + shift, self.workspace.labels[number])
             for position, number in enumerate(sample)

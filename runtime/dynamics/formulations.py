@@ -85,7 +85,6 @@ class CartesianCoordinates(Coordinates):
         self.system, self.p = mechanism.system, ready.p
         if method in IMPLICIT:
             self.system = replace(self.system, **mechanism.tangents._asdict())
-            self.p = mechanism.for_tangents(ready.p)
         self.mobility = _mobility(self.equations.masses(begin.q), ready.sizes, compressed=True)
 
     def problem(self, t: float, q: FloatArray, v: FloatArray) -> Problem:

@@ -161,16 +161,7 @@ class Mechanism:
                 f"{self.title} is kinematic: no masses move in it, so there are no accelerations "
                 "under forces to differentiate. Load a scene with masses."
             )
-        return gather_tangents(self._tangents_module)
-
-    @cached_property
-    def _tangents_module(self) -> ModuleType:
-        return self.companion("tangents")
-
-    def for_tangents(self, p: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """``p`` with the workspace that the derivatives need, which may be larger."""
-        own, needed = self.description.workspace, getattr(self._tangents_module, "WORKSPACE", 0)
-        return np.append(p, np.zeros(needed - own)) if needed > own else p
+        return gather_tangents(self.companion("tangents"))
 
     @cached_property
     def reduced(self) -> Reduced:

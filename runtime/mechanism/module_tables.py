@@ -81,7 +81,6 @@ class Description:
     triggers: tuple[int, ...] = ()  # of each the condition that renews it, -1: a clock
     watched: Table[Watched] = field(default=Table())  # conditions that a run watches
     controllers: tuple[str, ...] = ()  # those among them whose samples a run brings
-    workspace: int = 0  # entries of `p` behind the constants that kernels write
 
     @cached_property
     def title(self) -> str:
@@ -95,8 +94,8 @@ class Description:
 
     @cached_property
     def parameter_slots(self) -> int:
-        """Length of `p`: parameters, the constants behind them, and the workspace of kernels."""
-        return len(self.parameters) + len(self.constants) + self.workspace
+        """Length of `p`: parameters and the constants behind them."""
+        return len(self.parameters) + len(self.constants)
 
     def need_masses(self, asked: str, instead: str = "") -> str:
         """Sentences on what needs masses and forces, in a scene without, and how to have it."""

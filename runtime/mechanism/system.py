@@ -159,7 +159,6 @@ class Reduced:
         self.branches: tuple[tuple[int, int], ...] = tuple(module.BRANCHES)
         # length of ``p``: parameters, branches, constants
         self.slots = len(description.parameters) + len(self.branches) + len(module.CONSTANTS)
-        self.slots += getattr(module, "WORKSPACE", 0)
 
     @cached_property
     def system(self) -> System:

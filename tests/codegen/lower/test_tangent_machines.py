@@ -146,8 +146,7 @@ def test_text_computes_the_same_from_the_constants_of_the_main_module(
     assert dict(functions["OPERATIONS"]) == {
         k.name: operations(tangents, k) for k in tangents.kernels
     }
-    workspace = int(functions.get("WORKSPACE", 0))  # type: ignore[call-overload]
-    p = [*machine.p, *[math.nan] * (len(machine.program.constants) + workspace)]
+    p = [*machine.p, *[math.nan] * len(machine.program.constants)]
     python_functions(machine.text())["constants"](p)
     s, n = assembled(machine, 1), machine.n
     modes, dq, dv = (

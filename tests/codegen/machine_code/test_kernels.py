@@ -95,7 +95,7 @@ def kernel(t, q, modes, out):
         out[8] = y
     else:
         out[8] = 0
-        return numba.int64(PLACES[mode])
+        return PLACES[mode]
     return 0
 '''
 
@@ -289,6 +289,36 @@ def test_a_text_by_itself_has_the_same_numbers(root: Path, name: str) -> None:
                 answers.append([function(*arrays), *arrays])
             for mine, its in zip(*answers, strict=True):
                 np.testing.assert_array_equal(mine, its)
+
+
+ROOM = """
+@numba.njit("i8(f8[::1], f8[::1])", **OPTIONS)
+def kernel(q, out):
+    few = np.empty(3)
+    many = np.empty(8193)
+    for k in range(8193):
+        many[k] = q[0] + k
+        few[2] = many[k]
+    if q[0] > 0.0:
+        return 1
+    out[0] = few[-1] * many[17]
+    return 0
+"""
+
+
+def test_arrays_of_a_kernel_lie_on_the_stack_and_long_ones_on_the_heap(
+    imported: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    texts, code = [], kernels.object_code
+    monkeypatch.setattr(kernels, "object_code", lambda text: (texts.append(text), code(text))[1])
+    ours = imported(CONTRACTED, ROOM).kernel
+    assert (texts[0].count('@"malloc"('), texts[0].count('@"free"(')) == (2, 3)  # a declaration
+    for x in (-1.5, 1.5):
+        answers = []
+        for function in (ours, plain(CONTRACTED, ROOM)["kernel"], python_only(ROOM)["kernel"]):
+            out = np.zeros(1)
+            answers.append((function(np.array([x]), out), *out))
+        assert answers[0] == answers[1] == answers[2]
 
 
 def test_rounding_down_of_what_is_not_finite(imported: Any) -> None:

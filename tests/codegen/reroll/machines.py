@@ -80,8 +80,7 @@ def rolled_text(machine: Lowered, kernel: Kernel, rolling: Rolling) -> RolledKer
     """The text of a kernel in loops or in batches."""
     program, arguments = machine.program, Arguments.of(machine.description)
     slots = arguments.slots(program)
-    base = arguments.declared + len(program.constants)
-    given = program, kernel, {k: slots[k] for k in program.hoisted(kernel)}, base
+    given = program, kernel, {k: slots[k] for k in program.hoisted(kernel)}
     return RolledKernelText(program, kernel, rolling(*given).rolled(), arguments)
 
 
@@ -101,7 +100,7 @@ def run(
     assert callable(function)
     random, description = np.random.default_rng(7), machine.description
     n, declared = len(description.coordinates), len(description.parameters)
-    p = np.zeros(declared + len(program.constants) + text.workspace)
+    p = np.zeros(declared + len(program.constants))
     p[:declared] = [row[1] for row in description.parameters]
     given: dict[str, object] = {"t": 0.3, "p": p}
     given |= {name: random.normal(size=n) for name in ("q", "v", "a")}
