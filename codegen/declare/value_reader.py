@@ -47,18 +47,21 @@ from codegen.readers.values import (
     shown,
 )
 from codegen.tables.table_function import Interpolant, TableAtom
+from codegen.tables.time_pieces import PiecesAtom, TimePieces
 
 INTERNAL = (Given, Side, Speed, Multiplier, Acceleration)
 """Symbols of the equations of elements, which mean nothing in a declaration."""
 FUNCTIONS = (
-    *(Interpolant, sympy.Piecewise, sympy.Abs, sympy.Heaviside, sympy.Max, sympy.Min, sympy.sign),
+    *(Interpolant, TimePieces),
+    *(sympy.Piecewise, sympy.Abs, sympy.Heaviside, sympy.Max, sympy.Min, sympy.sign),
     *(sympy.sin, sympy.cos, sympy.tan, sympy.asin, sympy.acos, sympy.atan, sympy.atan2),
     *(sympy.sinh, sympy.cosh, sympy.tanh, sympy.exp, sympy.log),
     *(sympy.floor, sympy.ceiling, sympy.Mod),
 )
 """The functions that can be compiled."""
 PLAIN = (
-    *(sympy.Symbol, sympy.Number, sympy.NumberSymbol, sympy.Add, sympy.Mul, sympy.Pow, TableAtom),
+    *(sympy.Symbol, sympy.Number, sympy.NumberSymbol, sympy.Add, sympy.Mul, sympy.Pow),
+    *(TableAtom, PiecesAtom),
     *(sympy.I.func, sympy.zoo.func, Relational, Boolean, sympy.Tuple, *UNFINISHED),
 )
 """What needs no function, or is refused for a reason of its own."""
@@ -101,7 +104,7 @@ def compile_problem(expression: sympy.Basic) -> str | None:
         if node.func not in FUNCTIONS and not isinstance(node, PLAIN) and not node.is_number
     ]
     if unknown:
-        known = ", ".join(sorted(f.__name__ for f in FUNCTIONS[2:]))
+        known = ", ".join(sorted(f.__name__ for f in FUNCTIONS[3:]))
         what = min(map(one_line, unknown))
         return f"{what} cannot be compiled; known are {known}, powers and Piecewise."
     pieces = expression.atoms(sympy.Piecewise)

@@ -21,6 +21,7 @@ from typing import Literal, NamedTuple
 import sympy
 from sympy.core.relational import Relational
 
+from codegen.declare.element import Rigid
 from codegen.declare.symbols import SPEED, Coordinate, Parameter, Time, Velocity, kinds
 from codegen.derive.equations import Equations
 from codegen.derive.piecewise_conditions import (
@@ -34,6 +35,7 @@ from codegen.derive.piecewise_conditions import (
 from codegen.derive.switching_functions import Switch, find_switch, rate
 from codegen.readers.expressions import powers_with_number_outside
 from codegen.tables.table_function import Interpolant
+from codegen.tables.time_pieces import TimePieces
 
 
 class ElementExpression(NamedTuple):
@@ -109,10 +111,13 @@ def time_functions(equations: Equations) -> tuple[TimeFunction, ...]:
         moving = [(s, f, {*_parts(s)}) for s, f in effect.terms.pulls if _takes_rate(f, s)]
         hold = vars(effect.terms.hold).values() if effect.terms.hold else ()
         parts = (part for part in hold if isinstance(part, sympy.Basic))
+        if isinstance(effect.terms.hold, Rigid):  # its reaction keeps up with the gap at any rate
+            moving.append((gap := effect.terms.hold.gap, SPEED, {*_parts(gap)}))
         for expression in (*effect.terms.moving, *parts):
             for part in _parts(expression):
                 along = tuple((s, f) for s, f, places in moving if part in places)
                 role: Role = "place" if along else "effect"
+                role = "law" if part.has(TimePieces) else role
                 found[TimeFunction(effect.name, role, part, along)] = None
     return tuple(found)
 

@@ -15,6 +15,7 @@ from codegen.elements.forces.friction import JOINTS, DryFriction, JointFriction,
 from codegen.elements.scalar_measures import unit_of
 from codegen.model.base import Declarations, Ends, Pair, Place, declares
 from codegen.readers.values import shown
+from codegen.tables.time_pieces import closed
 
 FrictionLaw = Literal["sticking", "regularised"]
 
@@ -225,7 +226,7 @@ class Contacts(Declarations):
                 self._note(f"{where} has both slip= and points; give one of them.")
             if axis is not None:
                 self._note(f"{where} has both slip= and axis=; the axis is that of two points.")
-            slip = self._value(slip, "m/s", f"slip of {where}")
+            slip = closed(self._value(slip, "m/s", f"slip of {where}"))
             bodies = self._bodies_in(slip)
         else:
             missing = f"{where} has no slip; give two points, or slip= a velocity."
@@ -237,7 +238,7 @@ class Contacts(Declarations):
                     f"{where}: the axis {along} depends on {moving[0].name}, and one that turns by "
                     "itself slides on nothing; give an axis fixed in body i, or slip= a velocity."
                 )
-            slip = rate(gap_between(*ends, along, sympy.S.Zero))
+            slip = rate(closed(gap_between(*ends, along, sympy.S.Zero)))
         law: DryFriction = self._element(
             DryFriction, name=name, slip=slip, normal=normal, coefficient=coefficient, on=bodies,
             static=static, creep=creep,
@@ -325,12 +326,13 @@ class Contacts(Declarations):
             if i is not None or j is not None or direction is not None:
                 self._note(f"{where} has both gap= and points; give one of them.")
             g = self._value(gap, "m", f"gap of {where}")
-            return g - self._value(free_length, "m", f"free length of {where}"), self._bodies_in(g)
+            free = self._value(free_length, "m", f"free length of {where}")
+            return closed(g - free), self._bodies_in(g)
         missing = f"{where} has no gap; give two points, or gap= an expression."
         ends, bodies = self._surfaces(name, i, j, missing)
         along = None if direction is None else self._direction(where, "direction", direction)
         free = self._value(free_length, "m", f"free length of {where}")
-        return gap_between(*ends, along, free), bodies
+        return closed(gap_between(*ends, along, free)), bodies
 
     def _limited(self, where: str, of: Any) -> tuple[sympy.Expr, str, Bodies]:
         """The coordinate that a stop limits, its unit, and the bodies that it is of."""

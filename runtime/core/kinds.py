@@ -72,7 +72,7 @@ class Direction(IntEnum):
 SLIDING, FREE = int(Mode.SLIDING), int(Mode.FREE)
 OPEN, CLOSED = int(Boundary.OPEN), int(Boundary.CLOSED)
 BALANCED, MIXED = int(Boundary.BALANCED), int(Boundary.MIXED)
-ONE_WAY = int(Hold.ONE_WAY)
+FRICTION, ONE_WAY = int(Hold.FRICTION), int(Hold.ONE_WAY)
 KNOTS, RANGE = int(TablePart.KNOTS), int(TablePart.RANGE)
 
 

@@ -216,7 +216,7 @@ class FunctionScan:
     """What a function asks of a run from t0 to t1, s; it is known up to `reach`."""
 
     def __init__(self, function: TimeFunction, p: Vector, t0: float, t1: float) -> None:
-        self.role = function.role
+        self.role, self.is_place = function.role, bool(function.along)
         self.t0, self.t1, self.reach, self.p = t0, t1, t0, p
         self.bounds = np.zeros(0)  # known and not yet given away, as are
         self.kinks: list[tuple[float, float]] = []
@@ -274,7 +274,7 @@ class FunctionScan:
 
     def jump(self, before: float, after: float) -> float:
         """By how much a place jumps between two instants; 0 for other functions, and for a bend."""
-        if self.role != "place":
+        if not self.is_place:
             return 0.0
         far = FAR * (after - before)
         near, wide = (

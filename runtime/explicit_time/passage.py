@@ -19,7 +19,7 @@ from runtime.core.outcomes import Outcome
 from runtime.explicit_time.function_scan import FAR, GROWTH, FunctionArrays
 from runtime.explicit_time.instants import Kink, TimeInstants, time_instants
 from runtime.integrate.problem import Passage, Stops
-from runtime.mechanism.dense_equations import Equations
+from runtime.mechanism.dense_equations import Equations, approaches
 from runtime.mechanism.table_rows import TimeFunction
 
 _FAST, _FASTER = 1e3, 1e12  # safety: of sizes and speeds; rates at which a force is judged
@@ -146,6 +146,8 @@ class Passages:
         """How a motion passes a kink in the state (q, v), (n,) each, under `modes`."""
         here = Passage(source=kink.function, function=self._name(kink.function))
         slides = bool(np.any(modes == SLIDING))
+        if ended := self._while_closed(kink, q, v, modes):
+            return ended
         modes = np.where(modes == SLIDING, 0, modes)
         sides = [self._values(t, q, v, modes) for t in kink[:2]]
         if kink.before <= self.span[0] and not all(np.isfinite(x).all() for x in sides[0]):
@@ -185,6 +187,20 @@ class Passages:
         pairs = zip((gamma, *forces), (gamma_after, *forces_after), strict=True)
         bends = any(not np.allclose(a, b, rtol=_JUMP, atol=_JUMP) for a, b in pairs)
         return here._replace(event=Direction.BEGAN if bends else None)
+
+    def _while_closed(self, kink: Kink, q: Vector, v: Vector, modes: Integers) -> Passage | None:
+        """The end of a run where the rate of a gap or of a freewheel jumps while it is closed."""
+        system = self.equations.mechanism.system
+        closed = [k for k in (*system.rigid, *system.one_way) if modes[k] == SLIDING]
+        if not closed:
+            return None
+        before, after = (approaches(self.equations, t, q, v)[closed] for t in kink[:2])
+        jumps = np.abs(after - before)
+        if not jumps.max() > _JUMP * max(self.size, float(np.abs(v).max(initial=0.0))):
+            return None
+        name = self.equations.description.switches[closed[int(jumps.argmax())]].name
+        text = f"has a rate that jumps by {jumps.max():.6g} a second at t = {kink.after:.9g} s, "
+        return self._end(kink, f"{text}while '{name}' is closed or grips", -1)
 
     def first_instant(self, q: Vector, v: Vector) -> float:
         """The first instant, s; where an impact of a law would strike (q, v) there, behind it."""

@@ -7,14 +7,14 @@ from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.arrays import Context, Vector, i8, none, vector
 from runtime.core.jit import ADDRESSES, compiled, inner, unlocked
-from runtime.core.kernel_abi import switching_rates_of
-from runtime.core.kinds import OPEN, SLIDING, Direction
+from runtime.core.kernel_abi import switching_of, switching_rates_of
+from runtime.core.kinds import FRICTION, ONE_WAY, OPEN, SLIDING, Direction
 from runtime.core.loop_record import Plan, run_record
 from runtime.core.outcomes import Outcome, Site
 from runtime.core.state_derivative import evaluate_accelerations, write_derivative
 from runtime.core.workspace_rows import Y0, K, row_of, switch_row
 from runtime.hybrid.impact import ON_SURFACE
-from runtime.hybrid.mode_consistency import CONSISTENT
+from runtime.hybrid.mode_consistency import CONSISTENT, count_sliding
 from runtime.hybrid.mode_transition import LOOK_AHEAD, log_event
 from runtime.hybrid.rest_forces import find_jamming_friction, is_unilateral, suspend_friction
 from runtime.hybrid.sliding_motion import STEP, evaluate_switching_and_rates
@@ -221,17 +221,23 @@ def follow_jumps(context: Context, t: float) -> bool:
     Rates, by which a function that is at zero is judged, do not matter there: a sawtooth jumps up
     and goes down.
     """
-    any_jumped, g, modes = False, context.g0, context.modes
+    any_jumped, g, modes = False, context.now, context.modes
     evaluate_switching_and_rates(context, t, Y0, K, ws.G0)
     copy_end(context, 0, 1)
+    switching_of(context)(t, context.q0, context.v0, context.parameters, g)
     for k in range(context[ft.SWITCHES]):
-        if context.rigid[k] >= 0 or context.sticks[k] != 0 or modes[k] == SLIDING:
-            continue
+        sticks = context.sticks[k] == FRICTION
+        if context.rigid[k] >= 0 or context.sticks[k] == ONE_WAY or sticks != (modes[k] == SLIDING):
+            continue  # friction gives no impulse: it slides where its slip jumps
         mode = 1 if g[k] > 0.0 else 0
         least = max(context.band[k], ON_SURFACE * context.largest[k])
         if mode != modes[k] and abs(g[k]) > least:
+            if sticks:
+                context.largest[k] = context.reserve[k]
             modes[k], context.band[k], any_jumped = mode, 0.0, True
             log_event(context, t, k, _BEGAN if mode == 1 else _CEASED)
+    if any_jumped:
+        count_sliding(context, modes)
     return any_jumped
 
 

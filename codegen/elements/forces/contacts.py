@@ -17,6 +17,7 @@ from codegen.elements.scalar_measures import (
     is_constant,
     same_body,
 )
+from codegen.tables.time_pieces import closed
 
 
 def gap_between(
@@ -188,15 +189,15 @@ class Stop(GapSprings):
     @property
     def gaps(self) -> tuple[sympy.Expr, ...]:
         """What is left before each stop."""
-        below = () if self.lower is None else (self.scalar - self.lower,)
-        return below if self.upper is None else (*below, self.upper - self.scalar)
+        below = () if self.lower is None else (closed(self.scalar - self.lower),)
+        return below if self.upper is None else (*below, closed(self.upper - self.scalar))
 
     @property
     def gap_of_both(self) -> sympy.Expr:
         """A gap that closes at each limit with the slope ±1, smooth in between."""
         if self.lower is None or self.upper is None:
             return self.gaps[0] if self.gaps else self.scalar
-        return sympy.Mul(*self.gaps) / (self.upper - self.lower)
+        return sympy.Mul(*self.gaps) / closed(self.upper - self.lower)
 
     @property
     def gap_unit(self) -> str:
