@@ -123,7 +123,12 @@ def _build(
     prepared = []
     for chosen in scenes:
         clock = Clock({"read": reading}, progress, f"{declared.name}, scene {chosen.name}")
-        prepared.append((*translate(declared, chosen, clock), clock))
+        try:
+            prepared.append((*translate(declared, chosen, clock), clock))
+        except ModelError as error:
+            if scene is not None or not chosen.follows:
+                raise
+            progress(f"{clock.title}: left out, as no run may come there. {error}")
     for kind in COMPANIONS:
         if requested[kind.name]:
             kind.refuse(declared.name, [e for e, *_ in prepared], named=scene is not None)

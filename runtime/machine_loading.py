@@ -7,7 +7,7 @@ import ast
 import hashlib
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from weakref import WeakSet
 
 from codegen import __version__
@@ -108,11 +108,17 @@ def _fresh_module(model: Path, generated: Path, scene: "str | Scene | None") -> 
 
 
 def _build(model: "Path | Model", scene: "str | Scene | None", generated: Path) -> tuple[Path, str]:
-    """Have the code generator write the module; scene None builds all and takes the first."""
+    """Have the code generator write the module; scene None builds all and takes the first.
+
+    Of a declared model, which is built anew each time, those follow later in which a run goes on.
+    """
     with collection_paused():
         from codegen import build
 
-        report = build(model, scene=scene, out=generated, compile=False)
+        wanted: Any = scene
+        if scene is None and not isinstance(model, Path):
+            wanted = [name for name, one in model.scenes.items() if not one.follows] or None
+        report = build(model, scene=wanted, out=generated, compile=False)
     first = report.scenes[0]
     return first.path, first.digest
 

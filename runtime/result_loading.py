@@ -34,6 +34,7 @@ from runtime.results.assembled_state import Assembly, State
 from runtime.results.export import require_libraries
 from runtime.results.motion_at_instants import Motion, keep
 from runtime.results.result import Result
+from runtime.results.run_records import Reconnection
 from runtime.results.saved_result import (
     FACTS,
     GROUP,
@@ -172,13 +173,14 @@ def _result(mechanism: Mechanism, saved: dict[str, Any]) -> Result:
 def _joined(mechanism: Mechanism, saved: dict[str, Any]) -> Result:
     """The result of several runs, with other joints each."""
     kept, outcome = saved["motion"], Outcome[saved["outcome"]]
-    results, changes, since = [], kept["changes"], kept["since"]
-    for part, change in zip(kept["parts"], [None, *changes], strict=True):
-        if change is not None:
-            of_joint = {(row.target, row.action): row for row in mechanism.description.watched}
-            mechanism = sibling(mechanism, of_joint[change.joint, change.action])
+    results, since, told = [], kept["since"], kept.get("told", 0)
+    # of older files one joint, or None
+    changes = [(one,) if isinstance(one, Reconnection) else one or () for one in kept["changes"]]
+    for part, change in zip(kept["parts"], [(), *changes], strict=True):
+        if change:
+            mechanism = sibling(mechanism, (one.joint for one in change))
         results.append(_result(mechanism, part))
-    found, times = joined(results, changes, since), saved["t"]
+    found, times = joined(results, changes, since, told), saved["t"]
     found.outcome, found.site, found._until = outcome, saved.get("site", ""), tuple(saved["until"])
     for name in FACTS:
         setattr(found, name, saved[name])

@@ -146,6 +146,11 @@ class Scene(Choices):
     root: "Scene | None" = field(default=None, repr=False, compare=False)
     problems: tuple[str, ...] = field(default=(), repr=False, compare=False)
 
+    @property
+    def follows(self) -> bool:
+        """Whether a run comes into it from another scene, where joints come or go."""
+        return self.request.connected is not None
+
     def without(self, *elements: Any) -> "Scene":
         """The scene with effects, drivers, joints or bodies left out, by name or object.
 

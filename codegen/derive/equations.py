@@ -95,6 +95,8 @@ class Equations:
     profiles: tuple[Profile, ...] = ()
     states: tuple[State, ...] = ()
     watched: tuple[WatchedCondition, ...] = ()
+    # (joints, scene) of several joints that may come or go at one instant
+    together: tuple[tuple[tuple[str, ...], str], ...] = ()
     labels: tuple[tuple[sympy.Basic, str], ...] = ()  # of conditions, what events are called
     picture: ScenePicture | None = None
 
@@ -291,6 +293,7 @@ def derive(model: "Model", scene: Scene) -> Equations:
         unused=tuple(name for name in model.parameters if name not in used),
         states=states,
         watched=watched,
+        together=model.together(scene),
         labels=tuple(model.labels.items()),
         picture=scene_picture(model.ground, bodies, drawn, values, frozenset(used)),
     )

@@ -197,6 +197,8 @@ class Description:
     triggers: tuple[int, ...]  # of each of SAMPLED its condition in WATCHED, -1: a clock
     # (name, action, target, scene) of the conditions that a run watches
     watched: tuple[tuple[str, str, str, str], ...]
+    # (joints, scene) of several joints that may come or go at one instant
+    together: tuple[tuple[tuple[str, ...], str], ...]
     controllers: tuple[str, ...]  # those whose samples a run brings
     jacobian: Pattern  # pattern of Φ_q
     mass: Pattern  # pattern of M
@@ -258,6 +260,7 @@ def describe(
         sampled=tuple(s.name for s in equations.sampled),
         triggers=triggers if any(k >= 0 for k in triggers) else (),
         watched=tuple((one.name, one.action, one.target, one.scene) for one in equations.watched),
+        together=equations.together,
         controllers=tuple(s.name for s in equations.sampled if s.sample is None),
         jacobian=Pattern.of(scene.jacobian),
         mass=Pattern.of(scene.mass),

@@ -1,6 +1,7 @@
 """Joints of a declaration that are released or engage in the course of a run."""
 
 from collections.abc import Iterator
+from itertools import combinations
 from typing import Any
 
 import sympy
@@ -95,15 +96,22 @@ class Connections(Declarations):
             if name not in absent and {body.name for body in self.joints[name].bodies} <= known
         )
 
-    def _neighbours(
+    def _changes(
         self, present: tuple[str, ...], connected: tuple[str, ...]
-    ) -> Iterator[tuple[str, tuple[str, ...]]]:
-        """Joints that may change where `connected` act, and those that act afterwards."""
+    ) -> Iterator[tuple[tuple[str, ...], tuple[str, ...]]]:
+        """Joints that may change at one instant where `connected` act, and what acts afterwards.
+
+        First each of them alone.
+        """
+        may = []
         for name in present:
-            one, acts = self.connections[name], name in connected
-            if (one.released if acts else one.engaged) is not None:
-                after = {*connected} ^ {name}
-                yield name, tuple(joint for joint in self.connections if joint in after)
+            one = self.connections[name]
+            if (one.released if name in connected else one.engaged) is not None:
+                may.append(name)
+        for count in range(1, len(may) + 1):
+            for changed in combinations(may, count):
+                after = {*connected} ^ {*changed}
+                yield changed, tuple(joint for joint in self.connections if joint in after)
 
     def _reachable(
         self, present: tuple[str, ...], connected: tuple[str, ...]
@@ -111,7 +119,7 @@ class Connections(Declarations):
         """All sets of joints that may act in a run, those at its start first."""
         found = [connected]
         for known in found:  # which grows meanwhile
-            found += [c for _, c in self._neighbours(present, known) if c not in found]
+            found += [c for _, c in self._changes(present, known) if c not in found]
         return found
 
     def _connected_name(

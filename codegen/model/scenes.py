@@ -1,7 +1,7 @@
 """The scenes of a declaration, and their variations, under names that say what is varied."""
 
 import hashlib
-from collections.abc import Mapping, Set
+from collections.abc import Iterator, Mapping, Set
 from contextlib import suppress
 from dataclasses import replace
 from itertools import chain
@@ -151,13 +151,25 @@ class Scenes(SceneRequests):
         """The conditions that a run in a scene watches."""
         if scene.analysis != "dynamics":
             return ()
-        present, connected = self._present(scene.bodies, scene.request.without), scene.connected
         of_joints = (
-            self.connections[name].watched(name in connected, self.reconnected(scene, after).name)
-            for name, after in self._neighbours(present, connected)
+            self.connections[joints[0]].watched(joints[0] in scene.connected, name)
+            for joints, name in self._followers(scene)
+            if len(joints) == 1
         )
         of_states = (one for name in scene.states for one in self.states[name].conditions)
         return (*scene.until, *of_states, *filter(None, of_joints))
+
+    def together(self, scene: Scene) -> tuple[tuple[tuple[str, ...], str], ...]:
+        """Several joints that may come or go at one instant → the scene in which a run goes on."""
+        if scene.analysis != "dynamics":
+            return ()
+        return tuple(row for row in self._followers(scene) if len(row[0]) > 1)
+
+    def _followers(self, scene: Scene) -> Iterator[tuple[tuple[str, ...], str]]:
+        """Joints that may change at one instant, and the name of the scene that follows."""
+        present = self._present(scene.bodies, scene.request.without)
+        for joints, after in self._changes(present, scene.connected):
+            yield joints, self.reconnected(scene, after).name
 
     def _extend(
         self,

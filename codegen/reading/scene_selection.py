@@ -5,6 +5,7 @@ Their variants differ by one effect left out or one other fidelity.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
 
 from codegen.check.declaration import check_model
@@ -50,7 +51,11 @@ def without_overridden(scene: Scene, settings: Mapping[str, float]) -> Scene:
 
 
 def valid_scenes(model: Model, names: str | Scene | Sequence[str | Scene] | None) -> list[Scene]:
-    """The checked scenes to build: ``default`` with all effects and drivers if none is declared."""
+    """The checked scenes to build: ``default`` with all effects and drivers if none is declared.
+
+    Scenes that follow from others as joints come and go are left out where nobody names them and
+    something is wrong: no run may ever come there.
+    """
     problems = check_model(model)
     if problems:
         raise ModelError(problems)
@@ -73,10 +78,11 @@ def valid_scenes(model: Model, names: str | Scene | Sequence[str | Scene] | None
         raise SceneError(missing)
     scenes = [scene for name, scene in model.scenes.items() if name in by_name]
     scenes += [scene for scene in variants if scene not in scenes]
-    problems = [problem for s in scenes for problem in check_scene(model, s)]
-    if problems:
-        raise ModelError(dict.fromkeys(problems))
-    return scenes
+    found = [(s, check_scene(model, s)) for s in scenes]
+    asked = [own for s, own in found if names is not None or not s.follows]
+    if problems := dict.fromkeys(chain.from_iterable(asked)):
+        raise ModelError(problems)
+    return [s for s, own in found if not own]
 
 
 @dataclass(frozen=True)

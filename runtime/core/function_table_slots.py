@@ -191,7 +191,7 @@ TABLE.floats("sample_clocks", (2, SAMPLED))  # period and delay of each, s
 TABLE.integers("ticks", (2, SAMPLED))  # numbers of the next sample and of the next to act
 TABLE.floats("sample_values", SAMPLED)
 TABLE.matrix("waiting_samples", SAMPLED, QUEUE)
-TABLE.integers("ends_run", WATCHED)  # 1: the condition ends the run
+TABLE.integers("ends_run", WATCHED)  # 1: the condition ends the run; 2: joints come or go there
 TABLE.floats("watched_before watched_now", WATCHED)  # 1: it holds
 
 # The search for consistent modes; the function of the event that was located.

@@ -46,7 +46,8 @@ class System(Kernels):
     sampled_names: tuple[str, ...] = ()
     # of each of them the condition that renews it, -1: a clock
     triggers: tuple[int, ...] = ()
-    watches: tuple[int, ...] = ()  # conditions that are watched, 1: one ends the run
+    # conditions that are watched; 1: one ends the run; 2: joints come or go there
+    watches: tuple[int, ...] = ()
     controllers: tuple[int, ...] = ()  # numbers of those among them that a run brings
     loops: int = 0  # that the kernels close in closed form, on one branch: those of `dead_centres`
 

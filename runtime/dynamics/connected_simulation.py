@@ -1,10 +1,12 @@
 """Simulations in which joints come and go: one run after the other, each with those that act.
 
 Every set of joints is a scene of its own, with its own module, coordinates and partition. A run
-ends where a joint is released or engages, and the next begins there. Positions and velocities stay,
-but for velocities that a joint which engages does not permit: these end in an impact of all
-constraints, M Δv + Φ_qᵀ Λ = Gᵀ P, Φ_q (v + Δv) = ν, in which closed contacts and freewheels take
-part by their impulses P ≥ 0. The runs have one result, in the tables of all their machines.
+ends where joints are released or engage, all those whose conditions begin to hold at one instant,
+and the next begins there. Positions and velocities stay, but for velocities that a joint which
+engages does not permit: these end in one impact of all constraints of the new set, M Δv + Φ_qᵀ Λ =
+Gᵀ P, Φ_q (v + Δv) = ν, in which closed contacts and freewheels take part by their impulses P ≥ 0.
+What an impact makes true is a change of its own, at the same instant. The runs have one result, in
+the tables of all their machines.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -15,7 +17,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from codegen.errors import LinkwrightError
+from codegen.errors import LinkwrightError, ModelError
 from codegen.object_display import counted
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.motion_at_instants import Found, SimulatedMotion, resumed
@@ -32,7 +34,7 @@ from runtime.results.saved_result import saved_fields
 from runtime.validation.arguments import parameter_values, uniform
 
 _MOST = 10_000  # safety: changes of joints in a run
-_AT_ONCE = 16  # safety: changes of joints at one instant
+_AT_ONCE = 16  # safety: changes of joints at one instant, each that of all that come or go
 _IN_A_ROW, _SHORT = 64, 1e-5  # safety: so many changes within that part of a run have no end
 # accuracy: of the machine's lengths; a contact with a gap below it is closed
 _TOUCHING = 1e-9
@@ -47,6 +49,9 @@ _COLUMNS = {
 }  # fmt: skip
 """Samples → the table of their columns, and what stands where a machine has no such row."""
 _LARGEST = {"crossing_error", "largest_correction"}  # entries of statistics that are no counts
+
+Change = tuple[Reconnection, ...]
+"""The joints that come or go at one instant."""
 
 
 def simulate(
@@ -67,7 +72,7 @@ def simulate(
     idle = mechanism.description.unused  # some scenes that follow may depend on them
     values = {name: value for name, value in parameters.items() if name not in idle}
     results = [part(mechanism, t_end, t_eval, parameters=values, **settings)]
-    changes = list[Reconnection | None]()
+    changes = list[Change]()
     settings |= {"part": part, "parameters": parameters}
     follow(results, changes, mechanism, t_end, t_eval, t_end - first, **settings)
     if len(results) == 1:
@@ -78,7 +83,7 @@ def simulate(
 
 
 def follow(
-    results: list[Result], changes: list[Reconnection | None], mechanism: Mechanism, t_end: float,
+    results: list[Result], changes: list[Change], mechanism: Mechanism, t_end: float,
     t_eval: Any, span: float, *, parameters: Values, part: Callable[..., Result] = simulate_joints,
     **settings: Any,
 ) -> None:  # fmt: skip
@@ -91,15 +96,17 @@ def follow(
         end = run.reconnection
         if end is None or run.outcome is not Outcome.OK or end.state.t >= t_end:
             return
-        passed = [change for change in changes if change is not None]
-        if endless := _without_end(passed, end.state.t, span):
+        if endless := _without_end([*filter(None, changes)], end.state.t, span):
             _end_at_change(run, Outcome.ZENO, endless)
             return
-        after = sibling(mechanism, mechanism.description.watched[end.row])
         try:
+            after = sibling(mechanism, (row.target for row in end.rows))
             begin, change = cross(mechanism, after, end, parameters)
         except Gap as gap:
             _end_at_change(run, Outcome.INCONSISTENT, str(gap))
+            return
+        except ModelError as error:
+            _end_at_change(run, Outcome.INCONSISTENT, f"{_what_changes(end)}: {error}")
             return
         mechanism, values = after, known_parameters(after, parameters)
         settings |= {"start": begin, "length": end.length, "guess": None, "t_start": 0.0}
@@ -109,7 +116,7 @@ def follow(
         instants, none_left = t_eval, False
         if isinstance(t_eval, np.ndarray | list | tuple):
             times: FloatArray = np.asarray(t_eval, dtype=np.float64)
-            instants = times[times > change.time]
+            instants = times[times > begin.t]
             none_left = not len(instants)
         try:
             run = part(
@@ -117,7 +124,7 @@ def follow(
                 **settings,
             )  # fmt: skip
         except LinkwrightError as error:
-            _end_at_change(results[-1], Outcome.INCONSISTENT, f"{change} {error}")
+            _end_at_change(results[-1], Outcome.INCONSISTENT, f"{sentences(change)} {error}")
             return
         if none_left and run.outcome is Outcome.OK and not run.ended_by:
             run.samples = run.samples.at(slice(0))
@@ -137,16 +144,17 @@ def _end_at_change(run: Result, outcome: Outcome, message: str) -> None:
     run.outcome, run.message = outcome, message
 
 
-def _without_end(changes: list[Reconnection], t: float, span: float) -> str:
+def _without_end(changes: list[Change], t: float, span: float) -> str:
     """That joints come and go for ever at the instant `t` of a run over a `span`, s; else empty."""
     count = len(changes)
-    at_once = count > _AT_ONCE and changes[-1 - _AT_ONCE].time == t
-    in_a_row = count >= _IN_A_ROW and t - changes[-_IN_A_ROW].time < _SHORT * span
+    at_once = count >= _AT_ONCE and changes[-_AT_ONCE][0].time == t
+    in_a_row = count >= _IN_A_ROW and t - changes[-_IN_A_ROW][0].time < _SHORT * span
     if not (at_once or in_a_row or count >= _MOST):
         return ""
+    last = changes[-1][-1]
     return (
-        f"Stopped at t = {changes[-1].time:.9g} s. Joints come and go without end, {count} times, "
-        f"the last '{changes[-1].joint}': each change makes the condition of the next one hold. "
+        f"Stopped at t = {last.time:.9g} s. Joints come and go without end, {count} times, "
+        f"the last '{last.joint}': each change makes the condition of the next one hold. "
         "Leave a margin between the conditions under which a joint engages and is released."
     )
 
@@ -157,36 +165,47 @@ class Gap(Exception):  # noqa: N818 (it is caught where runs follow one another)
 
 def cross(
     before: Mechanism, after: Mechanism, end: Ending, parameters: Values
-) -> tuple[State, Reconnection]:
-    """The state behind the instant at which a joint comes or goes; raises Gap."""
-    watched, description = before.description.watched[end.row], after.description
-    t, joint, was = end.state.t, watched.target, before.description.coordinates.names
+) -> tuple[State, Change]:
+    """The state behind the instant at which joints come or go; raises Gap."""
+    description, engaged = after.description, [r.target for r in end.rows if r.action == "engage"]
+    t, was = end.state.t, before.description.coordinates.names
     known = [was.index(name) if name in was else -1 for name in description.coordinates.names]
     q, v = (np.append(x, 0.0)[known] for x in (end.state.q, end.state.v))
-    impulse, units, lost = dict[str, float](), dict[str, str](), 0.0
-    if watched.action == "engage":
+    impulses = {row.target: (dict[str, float](), dict[str, str]()) for row in end.rows}
+    lost = 0.0
+    if engaged:
         equations = Equations(after, parameter_values(after, known_parameters(after, parameters)))
-        _require_closed(equations, joint, t, q, end.length)
+        _require_closed(equations, engaged, t, q, end.length)
         rest = v
         try:
-            v, multipliers = impact(equations, t, q, rest, _TOUCHING * end.length)
+            v, multipliers, work = impact(equations, t, q, rest, _TOUCHING * end.length)
         except Contradiction as found:
-            where = f"Joint '{joint}' is to engage at t = {t:.9g} s"
-            raise Gap(f"{where}, and {found}. Choose another instant, or release it.") from None
-        mass = equations.mass(q)
+            where = f"{_what_changes(end)}, and {found}"
+            raise Gap(f"{where}. Choose another instant, or release it.") from None
         states = [row.column for row in description.states]
         v[states] = rest[states]  # to the last bit
-        mass[states, states] = 0.0
-        lost = float(rest @ mass @ rest - v @ mass @ v) / 2
+        lost = float((rest - v) @ equations.mass(q) @ (rest + v)) / 2 + work
         reactions = np.zeros(len(description.reactions))
         if "reactions" in description.kernels:
             after.kernels.reactions(t, q, v, equations.p, multipliers, reactions)
         for row, value in zip(description.reactions, reactions.tolist(), strict=True):
-            if row.element == joint:
+            if row.element in engaged:
+                impulse, units = impulses[row.element]
                 impulse[row.component] = 0.0 + value
                 units[row.component] = f"{row.unit} s" if row.unit else ""
+    change = []
+    for row in end.rows:
+        impulse, units = impulses[row.target]
+        own = lost if row.target in engaged[:1] else 0.0
+        change.append(Reconnection(t, row.target, row.action, impulse, own, units))
     start = State(t, q, v, description.coordinates, discrete=end.state.discrete)
-    return start, Reconnection(t, joint, watched.action, impulse, lost, units)
+    return start, tuple(change)
+
+
+def _what_changes(end: Ending) -> str:
+    """Which joints are to come or go, and when."""
+    t, joints = end.state.t, [f"'{row.target}' is to {row.action}" for row in end.rows]
+    return f"Joint {' and '.join(joints)} at t = {t:.9g} s".replace("release", "be released")
 
 
 def known_parameters(mechanism: Mechanism, parameters: Values) -> dict[str, float]:
@@ -196,20 +215,20 @@ def known_parameters(mechanism: Mechanism, parameters: Values) -> dict[str, floa
 
 
 def _require_closed(
-    equations: Equations, joint: str, t: float, q: FloatArray, length: float
+    equations: Equations, joints: Sequence[str], t: float, q: FloatArray, length: float
 ) -> None:
     gaps = np.abs(equations.constraints(t, q))
     least = _CLOSED * equations.row_scale(t, q, max(length, equations.size(t, q)))
     open_rows = [
-        f"{row.name} by {gap:.3g}"
+        (row, f"{row.name} by {gap:.3g}")
         for row, gap, most in zip(equations.description.constraints, gaps, least, strict=True)
-        if row.element == joint and gap > most
+        if row.element in joints and gap > most
     ]
     if open_rows:
         raise Gap(
-            f"Joint '{joint}' is to engage at t = {t:.9g} s, where it is open: "
-            f"{', '.join(open_rows)}. Choose a condition under which it closes by itself, or a "
-            "joint with fewer constraints."
+            f"Joint '{open_rows[0][0].element}' is to engage at t = {t:.9g} s, where it is open: "
+            f"{', '.join(text for _, text in open_rows)}. Choose a condition under which it closes "
+            "by itself, or a joint with fewer constraints."
         )
 
 
@@ -238,20 +257,23 @@ def parameters_there(
 
 
 def joined(
-    results: Sequence[Result], changes: Sequence[Reconnection | None], since: float = -np.inf
+    results: Sequence[Result], changes: Sequence[Change], since: float = -np.inf, told: int = 0
 ) -> Result:
     """One result of runs that follow one another, in the tables of all their machines.
 
-    Between two of them is the change of joints, None where the second goes on past the condition
-    that ended the first. The result is that from the instant `since` on, s.
+    Between two of them is the change of joints, empty where the second goes on past the condition
+    that ended the first. The result is that from the instant `since` on, s; an earlier one has told
+    the first of the changes, so many.
     """
-    passed = [change for change in changes if change is not None and change.time > since]
+    passed = [one for change in changes[told:] for one in change if one.time >= since]
     description = _union([result.description for result in results])
     parts, ends = [], set[float]()
-    for one in results:
-        rows = np.ones(len(one.t), np.bool_)
-        rows[:1] = not (len(one.t) and float(one.t[0]) in ends)
-        ends.update(one.t[-1:].tolist())
+    final = results[-1].t[0] if len(results[-1].t) == 1 else np.inf  # perhaps just behind a change
+    for k, one in enumerate(results):
+        last = np.inf if one is results[-1] else min(final, since if k < told else np.inf)
+        rows = one.t < last
+        rows[:1] &= not (len(one.t) and float(one.t[0]) in ends)
+        ends.update(one.t[rows][-1:].tolist())
         parts.append(
             (one, one.samples.at(rows), {name: work[rows] for name, work in one.works.items()})
         )
@@ -277,7 +299,7 @@ def joined(
         _mechanism=results[0]._mechanism,
     )  # fmt: skip
     if all(one._motion is not None for one in results):
-        result._motion = JoinedMotion(tuple(results), tuple(changes), description, since)
+        result._motion = JoinedMotion(tuple(results), tuple(changes), description, since, told)
     if since > -np.inf:
         keep(result, result.t >= since, since, np.inf)
     return result
@@ -339,9 +361,10 @@ class JoinedMotion:
     """The motions behind a joined result."""
 
     results: tuple[Result, ...]
-    changes: tuple[Reconnection | None, ...]  # between them
+    changes: tuple[Change, ...]  # between them
     description: Description
     since: float = -np.inf  # from where on the result is, s
+    told: int = 0  # changes before that
 
     @cached_property
     def _motions(self) -> list[Motion]:
@@ -357,9 +380,16 @@ class JoinedMotion:
         """The end that was asked for, s."""
         return max(motion.t_end for motion in self._motions)
 
+    @cached_property
+    def _bounds(self) -> list[float]:
+        """Up to where the parts last, s: up to a change, but for one at an end of the whole."""
+        *ends, last = (motion.span[1] for motion in self._motions)
+        before = [self.since if k < self.told else last for k in range(len(ends))]
+        return [*np.minimum(ends, np.nextafter(before, -np.inf)).tolist(), np.inf]
+
     def _place(self, t: float) -> int:
         """The part at an instant of the span, s; at a change of joints the one before it."""
-        return next((k for k, m in enumerate(self._motions) if t <= m.span[1]), -1)
+        return next(k for k, bound in enumerate(self._bounds) if t <= bound)
 
     def scene(self, t: float) -> str:
         """The scene whose joints act at an instant of the span, s."""
@@ -368,20 +398,12 @@ class JoinedMotion:
     def clocks(self, result: Result, t: float) -> tuple[bool, DiscreteState | None]:
         """Where clocks and conditions stand at an instant, s; at a change just before it."""
         place = self._place(t)
-        one, motion = self.results[place], self._motions[place]
-        taken, found = motion.clocks(one, t)
-        if found is None or one is self.results[-1] or t < motion.span[1]:
-            return taken, found
-        change, held = self.changes[place], found.stand.held.copy()
-        if change is not None:  # its condition begins
-            held[[row[1:] == (change.action, change.joint) for row in found.watched]] = 0.0
-        return taken, found._replace(stand=found.stand._replace(held=held))
+        return self._motions[place].clocks(self.results[place], t)
 
     def at(self, result: Result, times: FloatArray) -> Found:
         """At ascending instants, (k,), of the span, s; at a change of joints just before it."""
         parts, low = [], -np.inf
-        for one, motion in zip(self.results, self._motions, strict=True):
-            high = motion.span[1] if one is not self.results[-1] else np.inf
+        for one, motion, high in zip(self.results, self._motions, self._bounds, strict=True):
             here, low = times[(times > low) & (times <= high)], high
             none: Found = one.samples.at(slice(0)), {}
             parts.append((one, *(motion.at(one, here) if len(here) else none)))
@@ -390,6 +412,7 @@ class JoinedMotion:
     def saved(self) -> dict[str, Any]:
         """What a file keeps of each of them."""
         source, parts = self._motions[0].saved()["source"], [*map(saved_fields, self.results)]
-        return {"source": source, "parts": parts, "changes": [*self.changes], "since": self.since}
+        return {"source": source, "parts": parts, "changes": [*self.changes], "since": self.since,
+                "told": self.told}  # fmt: skip
 
     resumed = resumed

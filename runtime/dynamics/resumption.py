@@ -17,6 +17,7 @@ from codegen.errors import AnalysisError, InputError
 from codegen.readers.arguments import count, flag, number, optional, read_arguments
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.connected_simulation import (
+    Change,
     JoinedMotion,
     follow,
     joined,
@@ -35,7 +36,6 @@ from runtime.progress_bar import Progress, bar, silent
 from runtime.results.assembled_state import State
 from runtime.results.motion_at_instants import Motion, keep
 from runtime.results.result import Result
-from runtime.results.run_records import Reconnection
 from runtime.validation.arguments import read_instants, uniform
 
 Resumable = SimulatedMotion | JoinedMotion
@@ -67,9 +67,9 @@ def _go_on(
     max_steps: int | None, progress: bool,
 ) -> Result:  # fmt: skip
     """The run up to another end, s, with samples at `t_eval`."""
-    parts, changes = [result], list[Reconnection | None]()
+    parts, changes, told = [result], list[Change](), 0
     if isinstance(motion, JoinedMotion):
-        parts, changes = list(motion.results), list(motion.changes)
+        parts, changes, told = [*motion.results], [*motion.changes], len(motion.changes)
     last, since = parts[-1], motion.span[1]
     times = None if isinstance(t_eval, str) else t_eval
     own = last._motion
@@ -94,7 +94,7 @@ def _go_on(
         else:
             run = _resume_part(last, own, t_end, times, max_steps, report)
     if past:
-        changes.append(None)
+        changes.append(())
     else:
         parts.pop()
     parts.append(run)
@@ -104,7 +104,7 @@ def _go_on(
     follow(parts, changes, mechanism, t_end, t_eval, span, parameters=parameters, **settings)
     if len(parts) == 1:
         return run
-    found = joined(parts, changes, since)
+    found = joined(parts, changes, since, told)
     if times is not None:
         asked = np.isin(found.t, times)
         asked[-1:] |= found.failed or bool(found.ended_by)

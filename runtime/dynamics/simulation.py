@@ -43,7 +43,7 @@ from runtime.dynamics.formulations import Coordinates, ReducedCoordinates, formu
 from runtime.dynamics.motion_at_instants import SimulatedMotion
 from runtime.dynamics.output_quantities import evaluate, integrate_works
 from runtime.dynamics.prepared_simulation import PreparedSimulation, discrete_state
-from runtime.integrate.problem import Correction, Formulation, Options, Trajectory
+from runtime.integrate.problem import WAITS, Correction, Formulation, Options, Trajectory
 from runtime.mechanism.dense_equations import Equations
 from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import Description
@@ -220,10 +220,12 @@ def _result(
     ending = run.stopped_by
     if ending >= 0 and not description.watched[ending].reconnects:
         result.ended_by = description.watched[ending].name
-    elif ending >= 0:
+    elif ending >= 0 and run.discrete is not None:
+        waiting = zip(description.watched, run.discrete.held.tolist(), strict=True)
+        rows = tuple(row for row, held in waiting if held == WAITS and row.reconnects)
         clocks = discrete_state(ready.mechanism, ready.p, run.discrete)
         state = State(*run.end, description.coordinates, discrete=clocks)
-        result.reconnection = Ending(ending, state, ready.length)
+        result.reconnection = Ending(rows, state, ready.length)
     if run.outcome is Outcome.CONTRADICTED:
         result.contradiction = f"At t = {run.final_t:.9g} s it stopped. {run.note}"
     return result

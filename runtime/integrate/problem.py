@@ -30,12 +30,15 @@ Controller = Callable[[float, Vector, Vector], float]
 MOST_STEPS = 100_000_000  # safety: trial steps of a run, where no number is given
 
 
+WAITS = 2.0  # code: of `held`: it has begun, and what it does is done as the next run begins
+
+
 class Discrete(NamedTuple):
     """Where the clocks and watched conditions of a run stand, for a run that follows it."""
 
     ticks: Integers  # numbers of the next sample and of the next to act, (2 count,)
     waiting: Matrix  # samples that wait for their delay, (count, length of the queue)
-    held: Vector  # 1 of each watched condition that holds, else 0; 2: it has its turn anew
+    held: Vector  # 1 of each watched condition that holds, else 0; WAITS
 
 
 class Passage(NamedTuple):

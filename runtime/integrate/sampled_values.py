@@ -16,11 +16,11 @@ from runtime.core.outcomes import Outcome, Site
 from runtime.core.workspace_rows import Y0, row_of
 from runtime.integrate.clocks import CLOCK
 from runtime.integrate.initialization import start_anew
+from runtime.integrate.problem import WAITS
 from runtime.integrate.sampling import INSTANTS, QUADRATURE, STEP_ENDS, record
 from runtime.integrate.step import Signal
 from runtime.linalg.vectors import copy_vector
 
-_WAITS = 2.0  # code: of `held`: it has begun, and has its turn in the run that follows
 _MOST_ROUNDS = 8  # safety: rounds at one instant in which values renew one another
 
 
@@ -138,13 +138,12 @@ def update_watched(context: Context) -> int:
         due[k] = 1 if i >= 0 and now[i] != 0.0 and before[i] == 0.0 else 0
         count += due[k]
     for i in range(context[ft.WATCHED]):
-        begins = before[i] == _WAITS or (now[i] != 0.0 and before[i] == 0.0)
-        if begins and context.ends_run[i] != 0:
-            if r.stopped_by >= 0:
-                before[i] = _WAITS
-                continue
+        begins = before[i] == WAITS or (now[i] != 0.0 and before[i] == 0.0)
+        if begins and context.ends_run[i] != 0 and r.stopped_by < 0:
             r.stopped_by = i
-        before[i] = now[i]
+        is_last = context.ends_run[i] == 1 and r.stopped_by == i
+        waits = begins and context.ends_run[i] != 0 and not is_last
+        before[i] = WAITS if waits else now[i]
     return count
 
 

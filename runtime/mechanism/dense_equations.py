@@ -291,8 +291,10 @@ def approaches(equations: Equations, t: float, q: FloatArray, v: FloatArray) -> 
 
 def impact(
     equations: Equations, t: float, q: FloatArray, v: FloatArray, band: float
-) -> tuple[FloatArray, FloatArray]:
-    """Velocities behind an impact, (n,), and the impulses Λ of the joints, (m,).
+) -> tuple[FloatArray, FloatArray, float]:
+    """Velocities behind an impact, (n,), the impulses Λ of the joints, (m,), and a work, J.
+
+    That is the work of the impulses at drivers and moving places, at the rates of these.
 
     M Δv + Φ_qᵀ Λ = Gᵀ P, Φ_q v⁺ = ν, P ≥ 0, G v⁺ ≥ 0, one of the two an equality, with the rates
     of gaps no wider than `band`, m or rad, and the slips of freewheels. Contacts that approach each
@@ -306,12 +308,14 @@ def impact(
         Where there are none, or the search for them does not end.
     """
     alone, multipliers = equations.impact(t, q, v)
+    rates = equations.velocity_rhs(t, q)
+    work = float(-multipliers @ rates)
     system, before = equations.mechanism.system, approaches(equations, t, q, v)
     gaps = equations.switching(t, q, v)
     contacts = [k for k in system.rigid if gaps[k] <= band]
     held = np.array([*contacts, *system.one_way], dtype=np.int64)
     if not len(held):
-        return alone, multipliers
+        return alone, multipliers, work
     restitution = np.zeros(len(system.rigid))
     equations.kernels.restitution(equations.p, restitution)
     target = np.zeros(len(before))
@@ -320,7 +324,7 @@ def impact(
     missing = (target - after)[held]
     fastest = float(np.abs([before[held], after[held]]).max())
     if missing.max() <= _EXACT * fastest:
-        return alone, multipliers
+        return alone, multipliers, work
     rows = rate_rows(equations, t, q)[held]
     change, forces = equations.responses(t, q, rows.T, np.zeros((equations.m, len(held))))
     try:
@@ -333,7 +337,9 @@ def impact(
         missed = held[~(reached <= _REACHED * fastest)]
         names = [equations.description.switches[k].name for k in missed]
         raise Contradiction(f"with it the joints move {' and '.join(names)} against what holds it")
-    return ended, multipliers + forces @ pushes
+    multipliers += forces @ pushes
+    moving = approaches(equations, t, q, np.zeros(equations.n))[held]
+    return ended, multipliers, float(-multipliers @ rates - pushes @ moving)
 
 
 def _pushes(

@@ -9,7 +9,7 @@ or built.
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -31,7 +31,6 @@ from runtime.core.kernel_abi import Kernels, gather
 from runtime.core.system import System
 from runtime.mechanism.module_tables import Description, describe
 from runtime.mechanism.system import Reduced, Tangents, common_system, gather_tangents
-from runtime.mechanism.table_rows import Watched
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
@@ -250,42 +249,30 @@ def _depend_on_multipliers(description: Description, kernels: Kernels) -> bool:
     return False
 
 
-def sibling(mechanism: Mechanism, watched: Watched) -> Mechanism:
-    """The mechanism with the joints that act behind a condition of WATCHED."""
-    known = mechanism.siblings
-    if watched.scene not in known:
-        found = _built(mechanism, watched)
-        known[watched.scene] = found
+def sibling(mechanism: Mechanism, joints: Iterable[str]) -> Mechanism:
+    """The mechanism in which a run goes on where these joints come or go at one instant.
+
+    Raises ModelError where it is to be built and its joints and drivers permit no motion.
+    """
+    changed, known = frozenset(joints), mechanism.siblings
+    followers = mechanism.description.followers.items()
+    scene = next(scene for scene, change in followers if change == changed)
+    if scene not in known:
+        known[scene] = found = _built(mechanism, scene, changed)
         found.__dict__["siblings"] = known  # which all of them share
-    return known[watched.scene]
+    return known[scene]
 
 
 def sibling_named(mechanism: Mechanism, scene: str) -> Mechanism | None:
     """The mechanism, or one into which it may turn as joints come and go, by its scene's name."""
-    own = mechanism.description.scene
-    if scene == own or _root(scene) != _root(own):
-        return mechanism if scene == own else None
-    found, names = [mechanism], {own}
-    for known in found:  # which grows meanwhile
-        ways = [row for row in known.description.watched if row.reconnects]
-        for watched in ways:  # before any other sibling is built
-            if watched.scene == scene:
-                return sibling(known, watched)
-        for watched in ways:
-            if watched.scene not in names:
-                names.add(watched.scene)
-                found.append(sibling(known, watched))
-    return None
+    if scene == mechanism.description.scene:
+        return mechanism
+    joints = mechanism.description.followers.get(scene)
+    return None if joints is None else sibling(mechanism, joints)
 
 
-def _root(scene: str) -> str:
-    """What the names of all siblings begin with."""
-    return scene.partition("_without_")[0].partition("_with_")[0]
-
-
-def _built(mechanism: Mechanism, watched: Watched) -> Mechanism:
+def _built(mechanism: Mechanism, scene: str, joints: Set[str]) -> Mechanism:
     """The sibling's module, loaded where it is there and of the same sources, else built."""
-    scene = watched.scene
     origin = mechanism.need_origin(f"scene '{scene}', in which the run goes on,")
     own = origin.path.stem.partition("__")[0]
     place = origin.path.with_name(f"{own}__{scene}.py")
@@ -302,7 +289,7 @@ def _built(mechanism: Mechanism, watched: Watched) -> Mechanism:
     if not isinstance(origin.scene, str):
         owner = origin.scene.owner
         assert owner is not None
-        after = {*origin.scene.connected} ^ {watched.target}
+        after = {*origin.scene.connected} ^ joints
         wanted = owner.reconnected(origin.scene, tuple(after))
     (report,) = build(origin.model, wanted, origin.path.parent, compile=False).scenes
     return read_mechanism(report.path, report.digest, origin.model, wanted)

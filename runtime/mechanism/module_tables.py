@@ -80,12 +80,20 @@ class Description:
     sampled: tuple[str, ...] = ()  # states that clocks renew
     triggers: tuple[int, ...] = ()  # of each the condition that renews it, -1: a clock
     watched: Table[Watched] = field(default=Table())  # conditions that a run watches
+    # (joints, scene that follows) of several joints that may come or go at one instant
+    together: tuple[tuple[tuple[str, ...], str], ...] = ()
     controllers: tuple[str, ...] = ()  # those among them whose samples a run brings
 
     @cached_property
     def title(self) -> str:
         """`model/scene`, as messages name it."""
         return f"{self.model}/{self.scene}"
+
+    @cached_property
+    def followers(self) -> dict[str, frozenset[str]]:
+        """Scene in which a run may go on → the joints that come or go for it at one instant."""
+        alone = {row.scene: frozenset({row.target}) for row in self.watched if row.reconnects}
+        return alone | {scene: frozenset(joints) for joints, scene in self.together}
 
     @cached_property
     def series(self) -> SeriesTable:

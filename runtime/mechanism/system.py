@@ -123,7 +123,9 @@ def common_system(
         sampled=description.sampled_columns,
         sampled_names=sampled,
         triggers=description.triggers or (-1,) * len(sampled),
-        watches=tuple(int(row.action != "sample") for row in description.watched),
+        watches=tuple(
+            0 if row.action == "sample" else 1 + row.reconnects for row in description.watched
+        ),
         controllers=tuple(map(sampled.index, description.controllers)),
         peaks=tuple((PeakKind[kind.upper()], exponent) for _, kind, exponent in description.peaks),
     )

@@ -221,7 +221,8 @@ def keep(result: "Result", rows: npt.NDArray[np.bool_], first: float, last: floa
         return tuple(row for row in rows if first < row.time <= last)
 
     result.events, result.singular = within(result.events), within(result.singular)
-    result.reconnections = within(result.reconnections)
+    # those at `first` are of this result: an earlier one that ended there has not told them
+    result.reconnections = tuple(one for one in result.reconnections if one.time <= last)
     sets = [one for one in result.partitions if one.time <= last]
     before = [one._replace(time=first) for one in sets if one.time <= first][-1:]
     result.partitions = (*before, *(one for one in sets if one.time > first))

@@ -12,6 +12,7 @@ from codegen.object_display import without_rounding
 from codegen.readers.calls import readable_class
 from runtime.core.kinds import SLIDING, Direction
 from runtime.mechanism.module_tables import Description
+from runtime.mechanism.table_rows import Watched
 from runtime.results.assembled_state import State
 from runtime.results.samples import FloatArray, plain
 
@@ -230,9 +231,9 @@ _SHOWN = 4  # layout: changes of joints that a message tells
 
 
 class Ending(NamedTuple):
-    """The end of a part of a run, where a joint comes or goes."""
+    """The end of a part of a run, where joints come or go."""
 
-    row: int  # of WATCHED
+    rows: tuple[Watched, ...]  # of all conditions that begin to hold
     state: State  # with clocks and conditions
     length: float  # typical of the machine, m
 
@@ -245,7 +246,9 @@ class Reconnection(NamedTuple):
     action: str  # "release" or "engage"
     # component → impulse of the joint on its second body, N s or N m s; empty at a release
     impulse: dict[str, float]
-    energy_lost: float  # kinetic energy that the impact took, J
+    # J, that the impact took: T⁻ - T⁺, and the work of drivers and moving places; of joints that
+    # engage at one instant the first has that of their one impact, the others 0
+    energy_lost: float
     units: dict[str, str]  # component → unit of its impulse, "" of an expression without one
 
     def __str__(self) -> str:
@@ -255,10 +258,9 @@ class Reconnection(NamedTuple):
         values = without_rounding(self.impulse.values())
         rows = zip(self.impulse, values, self.units.values(), strict=True)
         parts = ", ".join(f"{name} {value:.6g} {unit}".rstrip() for name, value, unit in rows)
-        return (
-            f"Joint '{self.joint}' engaged at t = {self.time:.9g} s with the impulse ({parts}), "
-            f"which took {self.energy_lost:.6g} J."
-        )
+        took = f", which took {self.energy_lost:.6g} J" if self.energy_lost else ""
+        begun = f"Joint '{self.joint}' engaged at t = {self.time:.9g} s"
+        return f"{begun} with the impulse ({parts}){took}."
 
 
 def sentences(changes: Sequence[Reconnection]) -> str:
