@@ -22,7 +22,8 @@ class Connections(Declarations):
         """Let a joint go once a condition begins to hold: a latch opens, a sling lets go.
 
         The constraint leaves, and the run goes on with the degrees of freedom that it held, with
-        the same positions and velocities. Declare it before the scenes.
+        the same positions and velocities. Joints whose conditions begin to hold at one instant
+        change together. Declare it before the scenes.
 
         Parameters
         ----------
@@ -40,8 +41,8 @@ class Connections(Declarations):
         """Let a joint act from where a condition begins to hold: a latch catches, a pin drops in.
 
         There the joint must close by itself. Velocities that it does not permit end in an impact:
-        M Δv + Φ_qᵀ Λ = 0, Φ_q (v + Δv) = ν. `Result.reconnections` has the impulse. Declare it
-        before the scenes.
+        M Δv + Φ_qᵀ Λ = 0, Φ_q (v + Δv) = ν, one of all joints that engage at one instant.
+        `Result.reconnections` has the impulses. Declare it before the scenes.
 
         Parameters
         ----------

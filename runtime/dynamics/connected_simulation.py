@@ -106,7 +106,9 @@ def follow(
             _end_at_change(run, Outcome.INCONSISTENT, str(gap))
             return
         except ModelError as error:
-            _end_at_change(run, Outcome.INCONSISTENT, f"{_what_changes(end)}: {error}")
+            why = f"{_what_changes(end)}, and the joints that act then permit no motion: {error}"
+            remedy = "Or let another joint be released by the same condition."
+            _end_at_change(run, Outcome.INCONSISTENT, f"{why} {remedy}")
             return
         mechanism, values = after, known_parameters(after, parameters)
         settings |= {"start": begin, "length": end.length, "guess": None, "t_start": 0.0}
