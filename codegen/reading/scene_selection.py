@@ -80,8 +80,8 @@ def valid_scenes(model: Model, names: str | Scene | Sequence[str | Scene] | None
     scenes += [scene for scene in variants if scene not in scenes]
     found = [(s, check_scene(model, s)) for s in scenes]
     asked = [own for s, own in found if names is not None or not s.follows]
-    if problems := dict.fromkeys(chain.from_iterable(asked)):
-        raise ModelError(problems)
+    if any(asked):
+        raise ModelError(dict.fromkeys(chain.from_iterable(asked)))
     return [s for s, own in found if not own]
 
 

@@ -196,10 +196,10 @@ def cross(
                 impulse[row.component] = 0.0 + value
                 units[row.component] = f"{row.unit} s" if row.unit else ""
     change = []
-    for row in end.rows:
-        impulse, units = impulses[row.target]
-        own = lost if row.target in engaged[:1] else 0.0
-        change.append(Reconnection(t, row.target, row.action, impulse, own, units))
+    for _, action, joint, _ in end.rows:
+        impulse, units = impulses[joint]
+        own = lost if joint in engaged[:1] else 0.0
+        change.append(Reconnection(t, joint, action, impulse, own, units))
     start = State(t, q, v, description.coordinates, discrete=end.state.discrete)
     return start, tuple(change)
 
