@@ -16,6 +16,7 @@ from codegen.errors import TableWarning
 from codegen.model.base import Declarations
 from codegen.readers.quantities import is_si_unit, known_unit, si_factor
 from codegen.readers.values import one_line, shown
+from codegen.tables.period import misfit, with_closing_row
 from codegen.tables.piecewise_cubic import Beyond, Ends, Kind, Table, excess, fit
 from codegen.tables.table_function import FEWEST, TableFunction, point_problems
 
@@ -93,7 +94,7 @@ class Values(Declarations):
     def table(
         self, name: str, x: Any, y: Any, periodic: bool = False,
         units: tuple[str, str] = ("", ""), kind: Kind = "pchip", beyond: Beyond = "stop",
-        ends: Ends = "not-a-knot",
+        ends: Ends = "not-a-knot", period: Any = None,
     ) -> TableFunction:  # fmt: skip
         """A function through points, of a coordinate, a length, a velocity, a parameter or t.
 
@@ -107,7 +108,8 @@ class Values(Declarations):
             The points, x strictly ascending: numbers in `units`, or pint quantities. Two at least,
             three for ``"akima"``, four for ``"spline"``; of a periodic table one more.
         periodic
-            Whether the function repeats; the last point is the first one, a period later.
+            Whether the function repeats; the last point is the first one, a period later. Over an
+            angle the period is a whole number or a unit fraction of turns.
         units
             SI units of x and y. What the table is called with, and what it stands for, is compared
             with them where its unit is known: quantities, coordinates, velocities, t.
@@ -122,6 +124,9 @@ class Values(Declarations):
         ends
             Of a spline that does not repeat: ``"not-a-knot"``, or ``"natural"``, with the second
             derivative zero at both ends.
+        period
+            Of a function that repeats, in the unit of x: the row that closes the period, the first
+            value at ``x[0] + period``, is added where the points end before it.
         """
         where = f"table '{name}'"
         if not are_units(units):
@@ -132,20 +137,32 @@ class Values(Declarations):
         kind = self._read.choice(kind, KINDS, f"{where}: kind")
         beyond = self._read.choice(beyond, BEYOND, f"{where}: beyond")
         ends = self._read.choice(ends, ENDS, f"{where}: ends")
-        fewest = FEWEST[kind] + (periodic and kind != "spline")
+        repeats = periodic or period is not None
+        fewest = FEWEST[kind] + (repeats and kind != "spline") - (period is not None)
         at, values = (
             self._read.numbers(given, unit, where, axis, fewest)
             for given, unit, axis in ((x, units[0], "x"), (y, units[1], "y"))
         )
+        if period is not None:
+            length = self._read.finite(period, units[0], f"{where}: period")
         if len(self.problems) == before:
-            unused = _unused(periodic, kind, beyond, ends)
-            for problem in (*point_problems(at, values, periodic, kind), *unused):
+            unused = _unused(repeats, kind, beyond, ends)
+            try:
+                if period is not None and len(at) == len(values) > 0:
+                    at, values = with_closing_row(at, values, length)
+                problems = [*point_problems(at, values, repeats, kind), *unused]
+            except ValueError as misfits:
+                problems = [str(misfits)]
+            over_angle = misfit(at, period is not None) if repeats and not problems else ""
+            if units[0] == "rad" and over_angle:
+                problems.append(over_angle)
+            for problem in problems:
                 self._note(f"{where}: {problem}")
         if self._claim("table", name) and len(self.problems) == before:
-            table = fit(name, at, values, periodic, kind, ends, beyond)
+            table = fit(name, at, values, repeats, kind, ends, beyond)
             if all(math.isfinite(c) for row in table.rows for c in row):
                 _warn_of_excess(table, min(values), max(values))
-                return TableFunction(table, units)
+                return TableFunction(table, units, over_angle)
             self._note(f"{where}: no finite curve goes through points so far apart; rescale them.")
         return TableFunction(fit("none", (0.0, 1.0, 2.0, 3.0), (0.0,) * 4, periodic=False))
 

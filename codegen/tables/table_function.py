@@ -16,6 +16,7 @@ from codegen.readers.calls import declaring
 from codegen.readers.expressions import plain_expression
 from codegen.readers.quantities import UnitError, in_unit, is_quantity, same_dimension
 from codegen.readers.values import KindError, plain_float, shown
+from codegen.tables.period import is_angle
 from codegen.tables.piecewise_cubic import Kind, Table
 
 DEGREE = 3
@@ -91,8 +92,11 @@ class Interpolant(sympy.Function):  # type: ignore[misc]
 class TableFunction:
     """A table as a function: called with an expression, it returns the table's value there."""
 
-    def __init__(self, table: Table, units: tuple[str, str] = ("", "")) -> None:
+    def __init__(
+        self, table: Table, units: tuple[str, str] = ("", ""), over_angle: str = ""
+    ) -> None:
         self.table, self.units = table, units
+        self.over_angle = over_angle  # why it cannot be called with an angle; empty: it can
 
     @declaring("table")
     def __call__(self, at: Any) -> sympy.Expr:
@@ -121,6 +125,8 @@ class TableFunction:
                 f"{self!r} has abscissae in {unit}, and is called with {shown(at)}, in {other}; "
                 f"give it what is in {unit}, or the table other units=."
             )
+        if self.over_angle and is_angle(place):
+            raise ModelError(f"{self!r} is called with {shown(at)}: {self.over_angle}")
         return Interpolant(TableAtom(self.table, of_values), sympy.S.Zero, place)
 
     def __repr__(self) -> str:
@@ -179,5 +185,5 @@ def point_problems(x: list[float], y: list[float], periodic: bool, kind: Kind) -
     if periodic and abs(y[-1] - y[0]) > CLOSED * size:
         yield (
             f"it is to repeat, but begins at {y[0]:g} and ends at {y[-1]:g}; give the first value "
-            "again at the end of the period."
+            "again at the end of the period, or period= where this row is missing."
         )

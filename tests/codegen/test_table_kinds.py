@@ -160,7 +160,7 @@ def forced(kind: Kind, beyond: Beyond, periodic: bool) -> tuple[Interpreted, Any
     y = np.append(Y[:-1], Y[0]) if periodic else Y
     law = model.table("law", X, y, periodic, kind=kind, beyond=beyond)
     model.force("push", body, fx=law(body.x) * 2, fy=law(t))
-    model.torque("turn", body, law(body.vy - body.phi))
+    model.torque("turn", body, law(body.vy - 3 * body.phi))
     return Interpreted(model), law.table
 
 
@@ -175,7 +175,7 @@ def test_force_is_the_table_in_the_mode_of_its_place(
     machine, table = forced(kind, beyond, periodic)
     outside = () if beyond == "stop" and not periodic else (X[0] - 0.7, X[-1] + 0.3)
     for at in (*X, *np.linspace(X[0], X[-1], 40), *outside):
-        state = State(t=float(at), q=np.array([at, 0.0, 0.2]), v=np.array([0.0, at + 0.2, 0.0]))
+        state = State(t=float(at), q=np.array([at, 0.0, 0.2]), v=np.array([0.0, at + 0.6, 0.0]))
         g = machine.vector("switching", state)
         force = machine.vector("applied_forces", state, modes=(g > 0).astype(int))
         expected = table(at) * np.array([2.0, 1.0, 1.0])

@@ -53,7 +53,7 @@ def driven() -> Model:
     body = model.body("body", mass=1.0, inertia=1.0)
     law = model.table("law", X, Y, kind="spline")
     wave = model.table("wave", X, CLOSED, periodic=True, kind="spline")
-    model.driver("lift", body.x + wave(body.phi) ** 2, law(t / 3) * sympy.sin(t))
+    model.driver("lift", body.x + wave(3 * body.phi) ** 2, law(t / 3) * sympy.sin(t))
     model.driver("turn", body.phi, 5 * wave(7 * t))
     model.force("pull", body, fx=wave(body.x) * body.vx)
     return model
@@ -182,3 +182,23 @@ def test_tables_of_their_unit_or_without_are_taken(units: tuple[str, str]) -> No
     model, body, law = tabled(units)
     model.force("pull", on=body, fx=law(t), fy=5 * law(3.5 * t))
     assert valid_scenes(model, None)
+
+
+def test_a_period_adds_the_row_that_closes_it() -> None:
+    """Also where the last row is the closing one, to the rounding of its abscissa."""
+    model, turns = Model("cycle"), 4 * math.pi
+    degrees = np.arange(0, 720, 10.0)
+    values = 1 + 9 * np.exp(-(((degrees - 400) / 40) ** 2))
+    whole = np.append(degrees, 720.0), np.append(values, values[0])
+    tables = [
+        model.table("closed", np.radians(whole[0]), whole[1], periodic=True),
+        model.table("open", np.radians(degrees), values, period=turns),
+        model.table("rounded", np.round(np.radians(whole[0]), 4), whole[1], period=4 * sympy.pi),
+    ]
+    body = model.body("body")
+    for table in tables:
+        assert table(body.phi) != 0  # it may be taken at an angle
+        assert table.table.length == pytest.approx(turns, rel=1e-15)
+        at = np.radians(400) + 1000 * turns
+        assert table.table(at) == pytest.approx(10.0, rel=1e-6)
+    assert not model.problems
