@@ -24,6 +24,7 @@ from runtime.continuation.predictor_corrector import DrivenMotion
 from runtime.core.kinds import Direction
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.checks.end_checks import check_result
+from runtime.dynamics.impulses import with_impulses
 from runtime.dynamics.motion_at_instants import Found, source_of
 from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prepared_simulation import passages_of
@@ -75,13 +76,15 @@ def kinematics(
         for row in motion.singular
         if row.kind in _DIRECTIONS and row.q is not None and row.v is not None
     ]
+    events = sorted([*crossed, *kinks], key=lambda event: event.time)
+    passed, jumps = with_impulses(equations, events, float(times[-1]))
+    message += jumps
     motion.stats["singular_instants"] = len(singular)
     motion.stats["wall_seconds"] = clock.perf_counter() - began
     result = Result(
         mechanism.description, samples, p, analysis=analysis, outcome=motion.outcome,
         message=message + start_note(mechanism, begin, guess, start) + redundancy_note(begin),
-        stats=motion.stats, events=tuple(sorted([*crossed, *kinks], key=lambda event: event.time)),
-        not_unique=begin.not_unique, singular=motion.singular,
+        stats=motion.stats, events=passed, not_unique=begin.not_unique, singular=motion.singular,
     )  # fmt: skip
     result._mechanism = mechanism
     result._motion = DrivenMotionAtInstants(mechanism, p, begin, preferred, times)

@@ -40,6 +40,7 @@ from runtime.dynamics.checks.end_checks import check_result, describe_unresolved
 from runtime.dynamics.checks.jamming import describe_jam, end_at_jam
 from runtime.dynamics.checks.screening import screen_run
 from runtime.dynamics.formulations import Coordinates, ReducedCoordinates, formulate
+from runtime.dynamics.impulses import with_impulses
 from runtime.dynamics.motion_at_instants import SimulatedMotion
 from runtime.dynamics.output_quantities import evaluate, integrate_works
 from runtime.dynamics.prepared_simulation import PreparedSimulation, discrete_state
@@ -199,6 +200,7 @@ def _result(
         )
         if index not in knots
     ]
+    passed, jumps = with_impulses(equations, events, run.final_t)
     names = np.array(description.coordinates.names, dtype=object)
     partitions = [
         Partition(float(t), tuple(names[chosen]))
@@ -206,8 +208,8 @@ def _result(
     ]
     result = Result(
         description, samples, ready.p, analysis="simulation", outcome=run.outcome,
-        message=_message(equations, run) + redundancy_note(begin) + ready.note, stats=stats,
-        events=tuple(events), partitions=tuple(partitions), not_unique=begin.not_unique,
+        message=_message(equations, run) + jumps + redundancy_note(begin) + ready.note, stats=stats,
+        events=passed, partitions=tuple(partitions), not_unique=begin.not_unique,
     )  # fmt: skip
     subject = ""  # the condition, joint or driver that the outcome concerns
     if run.index >= 0 and run.outcome.of_switch:

@@ -46,6 +46,9 @@ class Event(NamedTuple):
         Of contacts and stops "touches", "leaves", "rests"; of a gap that closes or opens while a
         damper keeps it from pushing, "closes", "opens"; of frictions "sticks", "slips", "reverses";
         of one-way clutches without a capacity "overruns", "grips", "strikes"; empty for others.
+    impulse
+        Where the rate of a law jumps: component of a reaction, as `drive.fx`, → impulse of that
+        joint or driver, N s or N m s. None for others.
     """
 
     name: str
@@ -54,6 +57,7 @@ class Event(NamedTuple):
     q: FloatArray
     v: FloatArray
     word: str = ""
+    impulse: dict[str, float] | None = None
 
     def __repr__(self) -> str:
         """Instant, name and direction; the state is left to `q` and `v`."""

@@ -137,6 +137,7 @@ def _event_columns(events: Sequence[Event]) -> dict[str, Any]:
     arrays = ("time", "direction", "q", "v")
     return {
         "names": names, "name": numbers, "words": [event.word for event in events],
+        "impulses": [event.impulse for event in events],
         **{name: np.array([getattr(event, name) for event in events]) for name in arrays},
     }  # fmt: skip
 
@@ -145,8 +146,9 @@ def events_of(columns: dict[str, Any]) -> tuple[Event, ...]:
     """The events again."""
     names = [columns["names"][k] for k in columns["name"]]
     times, directions = columns["time"].tolist(), columns["direction"].tolist()
-    rows = zip(names, times, directions, columns["q"], columns["v"], columns["words"], strict=True)
-    return tuple(map(Event._make, rows))
+    impulses = columns.get("impulses", [None] * len(names))  # older files have none
+    states = columns["q"], columns["v"], columns["words"], impulses
+    return tuple(map(Event._make, zip(names, times, directions, *states, strict=True)))
 
 
 def _partition_columns(partitions: Sequence[Partition]) -> dict[str, Any]:

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
+from sympy import Abs, Piecewise
 
 from codegen import Effect, Model, element, t
 from codegen.errors import AnalysisError
 from codegen.tables.piecewise_cubic import Kind, Table
-from runtime import load
+from runtime import load, load_result
 from runtime.core.outcomes import Outcome
 
 pytestmark = pytest.mark.filterwarnings("ignore::codegen.errors.TableWarning")  # of random data
@@ -304,3 +305,36 @@ def test_condition_on_a_table_alone_ends_a_run_beyond_it(tmp_path: Path) -> None
     run = load(model, "run", folder=tmp_path).simulate(5.0)
     assert run.outcome is Outcome.OUT_OF_RANGE
     assert run.q("cart.x")[-1] == pytest.approx(2.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("analysis", ["inverse dynamics", "simulation", "saved"])
+@pytest.mark.parametrize("form", ["linear", "Abs", "Piecewise"])
+def test_momentum_is_that_of_forces_and_of_impulses_where_the_rate_of_a_law_jumps(
+    tmp_path: Path, analysis: str, form: str
+) -> None:
+    """A cart of 2 kg, whose velocity jumps by 0.4 N s / 2 kg at the first point of the table."""
+    model = Model("cart")
+    cart = model.body("cart", mass=2.0, inertia=1.0)
+    model.translational("guide", model.ground, cart)
+    points = [0, 0.1, 0.2, 0.3, 0.4, 0.5], [0, 0.01, 0.04, 0.05, 0.03, 0]
+    law = {
+        "linear": model.table("law", *points, units=("s", "m"), kind="linear")(t),
+        "Abs": Abs(t - 0.25) + t**2,
+        "Piecewise": Piecewise((t, t < 0.2), (0.2 + (t - 0.2) ** 2 / 2, True)),
+    }[form]
+    model.driver("feed", cart.x, law)
+    model.scene("run", drivers=["feed"])
+    machine = load(model, folder=tmp_path)
+    analyse = machine.simulate if analysis == "simulation" else machine.inverse_dynamics
+    run = analyse(0.5, 501)
+    if analysis == "saved":
+        run.save(tmp_path / "run.nc")
+        run = load_result(tmp_path / "run.nc")
+    assert run.outcome is Outcome.OK
+    impulses = [event.impulse["feed.fx"] for event in run.events if event.impulse]
+    if form == "linear":
+        assert_allclose(impulses, [0.4, -0.4, -0.6, -0.2], rtol=1e-12)
+    assert f"rate of the law in 'feed' jumps at {len(impulses)} instant" in run.message
+    force, speed = run.reaction("feed", "fx"), run.v("cart.vx")
+    gained = sum(impulses) + np.trapezoid(force, run.t)
+    assert_allclose(2 * (speed[-1] - speed[0]), gained, atol=2e-3 if form == "Piecewise" else 1e-12)
