@@ -15,7 +15,7 @@ compile   file                  → machine code, kept on the disk (codegen.mach
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from time import perf_counter
-from typing import get_args
+from typing import Any, get_args
 
 import codegen
 from codegen.check.kinematics import Findings, examine
@@ -24,7 +24,8 @@ from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
 from codegen.emit.module import Unroll, module_text, operation_table
 from codegen.errors import LinkwrightError, ModelError
-from codegen.files.generated_modules import text_hash
+from codegen.files.build_records import write_record
+from codegen.files.generated_modules import text_hash, unroll_of
 from codegen.garbage_collection import collection_paused
 from codegen.generated_files.companions import COMPANIONS
 from codegen.generated_files.generated_file import (
@@ -35,7 +36,7 @@ from codegen.generated_files.generated_file import (
     SceneReport,
     compile_modules,
 )
-from codegen.generated_files.provenance import default_folder, file_name, origin
+from codegen.generated_files.provenance import default_folder, file_name, origin, record
 from codegen.lower.lowered_scene import Lowered, lower
 from codegen.model import Model
 from codegen.readers import arguments as readers
@@ -50,7 +51,7 @@ GENERATOR = f"linkwright {codegen.__version__}"
 @readers.reads(
     model=readers.model, scene=readers.optional(readers.scenes),
     out=readers.optional(readers.path), settings=readers.optional(readers.values('{"J1": 900.0}')),
-    progress=readers.reporter, unroll=readers.word(*get_args(Unroll)),
+    progress=readers.reporter, unroll=readers.optional(readers.word(*get_args(Unroll))),
     **dict.fromkeys(("tangents", "reduced", "picture", "check", "compile"), readers.flag),
 )  # fmt: skip
 def build(
@@ -58,7 +59,7 @@ def build(
     out: str | Path | None = None, *, settings: Mapping[str, float] | None = None,
     tangents: bool = False, reduced: bool = False, picture: bool = False, check: bool = False,
     compile: bool = True,  # noqa: A002 (what it does)
-    unroll: Unroll = "auto",
+    unroll: Unroll | None = "auto",
     progress: Progress = lambda message: None,
 ) -> BuildReport:  # fmt: skip
     """Generate and compile the kernels of a model's scenes.
@@ -87,7 +88,8 @@ def build(
         Compile now, so that the first run finds machine code in the cache.
     unroll
         Whether kernels are written out, operation by operation: ``"always"``, ``"never"``, where
-        repeats become loops over tables of indices, or ``"auto"``, where long kernels do.
+        repeats become loops over tables of indices, or ``"auto"``, where long kernels do; None: as
+        in the last build of a scene.
     progress
         Receives a line at the beginning of every stage; what it raises is passed on.
 
@@ -110,7 +112,7 @@ def build(
 def _build(
     model: str | Path | Model, scene: str | Scene | Sequence[str | Scene] | None,
     out: str | Path | None, settings: Mapping[str, float], requested: Mapping[str, bool],
-    check: bool, compiled: bool, progress: Progress, unroll: Unroll,
+    check: bool, compiled: bool, progress: Progress, unroll: Unroll | None,
 ) -> BuildReport:  # fmt: skip
     """All stages, from the file that is read to the machine code."""
     progress("reading the model")
@@ -138,6 +140,8 @@ def _build(
     every = [pair for files in written for pair in files]
     for report, text in every:
         report.bring_up_to_date(text, check)
+        if not check:
+            write_record(report.path, record(file, declared, report.digest))
     if compiled and not check:
         progress(f"{declared.name}: compile")
         times = compile_modules([report.path for report, _ in every])
@@ -149,12 +153,14 @@ def _build(
 
 def _emit(
     file: ModelFile, folder: Path, settings: Mapping[str, float], requested: Mapping[str, bool],
-    unroll: Unroll, equations: Equations, lowered: Lowered, findings: Findings, clock: Clock,
+    unroll: Unroll | None, equations: Equations, lowered: Lowered, findings: Findings, clock: Clock,
 ) -> list[tuple[FileReport, str]]:  # fmt: skip
     """The file of a scene and its text, then those companions that are requested or exist."""
     path = folder / file_name(file.stem, equations, settings)
+    before: Any = unroll_of(path)
+    how: Unroll = unroll or before
     with clock("emit"):
-        provenance = origin(GENERATOR, file, equations, path, settings, unroll=unroll)
+        provenance = origin(GENERATOR, file, equations, path, settings, unroll=how)
         text = module_text(lowered, provenance)
     scene = SceneReport(
         path=path, digest=text_hash(text), operations=dict(operation_table(lowered.program)),
@@ -169,9 +175,7 @@ def _emit(
     files: list[tuple[FileReport, str]] = [(scene, text)]
     for kind in COMPANIONS:
         if kind.is_due(equations, path, requested[kind.name]):
-            provenance = origin(
-                GENERATOR, file, equations, path, settings, f" --{kind.name}", unroll
-            )
+            provenance = origin(GENERATOR, file, equations, path, settings, f" --{kind.name}", how)
             companion, text = kind.file(lowered, provenance, scene, clock)
             setattr(scene, kind.name, companion)
             files.append((companion, text))

@@ -3,21 +3,16 @@
 The code generator (and with it SymPy) is imported only for a build.
 """
 
-import ast
-import hashlib
 import os
+import warnings
+from glob import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from weakref import WeakSet
 
-from codegen import __version__
-from codegen.errors import SupersededError
-from codegen.files.generated_modules import (
-    FIRST_KERNEL,
-    check_signature,
-    read_generated,
-    text_hash,
-)
+from codegen.errors import SupersededError, UnwatchedWarning
+from codegen.files.build_records import unchanged
+from codegen.files.generated_modules import check_signature, read_generated, text_hash
 from codegen.files.library_folders import LIBRARY as _LIBRARY
 from codegen.files.library_folders import find_model_file, models_folder
 from codegen.garbage_collection import collection_paused
@@ -97,14 +92,24 @@ def _locate(model: str, folder: Path) -> tuple[Path, Path]:
 
 def _fresh_module(model: Path, generated: Path, scene: "str | Scene | None") -> tuple[Path, str]:
     """A generated module that agrees with the model file, and its hash; built if there is none."""
-    name = scene if scene is not None else _first_scene(model)
+    name = scene if scene is not None else _first_scene(model, generated)
     if isinstance(name, str) and (path := generated / f"{model.stem}__{name}.py").is_file():
         text = read_generated(path)
         rebuild = f"linkwright build {model} --scene {name} --out {generated}"
         check_signature(path, text, rebuild)
-        if _sources_match(path, text, model):
+        record = unchanged(path, text_hash(text), model)
+        if record is not None and not record.unwatched:
             return path, text_hash(text)
-    return _build(model, scene, generated)
+    built = _build(model, name, generated)
+    record = unchanged(*built, model)
+    if record is not None and record.unwatched:
+        warnings.warn(
+            f"{model} asks for what nobody can watch ({'; '.join(record.unwatched)}), so it is "
+            "read anew each time it is loaded.",
+            UnwatchedWarning,
+            stacklevel=2,
+        )
+    return built
 
 
 def _build(model: "Path | Model", scene: "str | Scene | None", generated: Path) -> tuple[Path, str]:
@@ -118,44 +123,15 @@ def _build(model: "Path | Model", scene: "str | Scene | None", generated: Path) 
         wanted: Any = scene
         if scene is None and not isinstance(model, Path):
             wanted = [name for name, one in model.scenes.items() if not one.follows] or None
-        report = build(model, scene=wanted, out=generated, compile=False)
+        report = build(model, scene=wanted, out=generated, compile=False, unroll=None)
     first = report.scenes[0]
     return first.path, first.digest
 
 
-def _first_scene(model: Path) -> str | None:
-    """Name of the first scene if the model file says it literally at its top level, else None."""
-    try:
-        tree = ast.parse(model.read_bytes())
-    except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
-        return None  # the build says what is wrong
-    for statement in tree.body:
-        calls = [node for node in ast.walk(statement) if isinstance(node, ast.Call)]
-        scenes = [c for c in calls if isinstance(c.func, ast.Attribute) and c.func.attr == "scene"]
-        if scenes:
-            plain = isinstance(statement, ast.Expr | ast.Assign) and statement.value is scenes[0]
-            name = scenes[0].args[0] if plain and scenes[0].args else None
-            if isinstance(name, ast.Constant) and isinstance(name.value, str):
-                return name.value
-            return None
+def _first_scene(model: Path, generated: Path) -> str | None:
+    """The first scene that the model declares, where a record of a build knows it, else None."""
+    for path in sorted(generated.glob(f"{escape(model.stem)}__*.py")):
+        record = unchanged(path, None, model)
+        if record is not None:
+            return record.scenes[0]
     return None
-
-
-def _sources_match(path: Path, text: str, model: Path) -> bool:
-    """Whether the module comes from this generator, and from `model` and its files as they are."""
-    head = ast.parse(FIRST_KERNEL.split(text, maxsplit=1)[0])
-    assigned = {ast.unparse(s.targets[0]): s.value for s in head.body if isinstance(s, ast.Assign)}
-    if not {"GENERATOR", "SOURCES"} <= assigned.keys():
-        return False
-    generator, sources = (ast.literal_eval(assigned[name]) for name in ("GENERATOR", "SOURCES"))
-    root = path.resolve().parent.parent
-    files = [(root / name, digest) for name, digest in sources]
-    return (
-        generator == f"linkwright {__version__}"
-        and bool(files)
-        and files[0][0].resolve() == model.resolve()
-        and all(
-            source.is_file() and hashlib.sha256(source.read_bytes()).hexdigest() == digest
-            for source, digest in files
-        )
-    )

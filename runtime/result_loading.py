@@ -5,7 +5,6 @@ or one that this process has loaded.
 """
 
 import os
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,24 +14,17 @@ from codegen.errors import FAILURES, InputError, LinkwrightError
 from codegen.files.generated_modules import content_hash
 from codegen.readers import arguments as readers
 from codegen.readers.values import one_line
-from runtime.assembly.assemble import assemble
-from runtime.assembly.redundancy import suited_equations
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.connected_simulation import joined
-from runtime.dynamics.formulations import formulate
-from runtime.dynamics.motion_at_instants import SimulatedMotion
+from runtime.dynamics.motion_at_instants import SimulatedMotion, simulated_again, start_again
 from runtime.dynamics.output_quantities import evaluate
-from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.prescribed_motion import DrivenMotionAtInstants
-from runtime.integrate.checkpoints import Checkpoints
-from runtime.integrate.clocks import queue_length, read_clocks
-from runtime.integrate.problem import Discrete, Options
+from runtime.integrate.problem import Discrete
 from runtime.machine_loading import LOADED
 from runtime.mechanism.dense_equations import Equations
 from runtime.mechanism.mechanism import Mechanism, sibling, sibling_named
-from runtime.results.assembled_state import Assembly, State
 from runtime.results.export import require_libraries
-from runtime.results.motion_at_instants import Motion, keep
+from runtime.results.motion_at_instants import keep
 from runtime.results.result import Result
 from runtime.results.run_records import Reconnection
 from runtime.results.saved_result import (
@@ -51,7 +43,6 @@ from runtime.validation.arguments import parameter_values
 
 if TYPE_CHECKING:
     from runtime.machine_facade import Machine
-    from runtime.mechanism.dense_equations import FloatArray
 
 _machine = readers.instance("runtime.machine_facade", "Machine", "a machine, as load() makes it")
 
@@ -151,17 +142,23 @@ def _result(mechanism: Mechanism, saved: dict[str, Any]) -> Result:
     kept, parameters = saved["motion"], saved["parameters"]
     if kept is not None and "parts" in kept:
         return _joined(mechanism, saved)
-    p, motion, variant = parameter_values(mechanism, parameters), None, mechanism
+    p = parameter_values(mechanism, parameters)
+    motion: SimulatedMotion | DrivenMotionAtInstants | None = None
+    equations = Equations(mechanism, p)
     states = samples_of(saved["samples"], mechanism.description)
     if kept is not None:
         q, v = (floats(kept[name], states[name].shape[1:], name) for name in "qv")
-        state = State(kept["t"], q, v)
-        start = assemble(Equations(mechanism, p), state.t, start_at=state)
-        start = replace(start, q=q, v=v)
-        make = _simulated if saved["analysis"] == "simulation" else _driven
-        variant, motion = make(mechanism, p, start, saved)
+        start = start_again(mechanism, p, kept["t"], q, v)
+        if saved["analysis"] == "simulation":
+            motion = simulated_again(mechanism, p, start, parameters, kept)
+            equations = motion.coordinates.equations
+        else:
+            preferred = floats(kept["preferred"], start.q.shape, "preferred")
+            times = floats(kept["times"], (-1,), "times")
+            motion = DrivenMotionAtInstants(mechanism, p, start, preferred, times)
+            equations = motion.equations
     return Result(
-        mechanism.description, evaluate(Equations(variant, p), **states), p,
+        mechanism.description, evaluate(equations, **states), p,
         outcome=Outcome[saved["outcome"]], events=events_of(saved["events"]),
         partitions=partitions_of(saved["partitions"]), singular=tuple(saved["singular"]),
         site=saved.get("site", ""),  # of older files unknown
@@ -188,56 +185,3 @@ def _joined(mechanism: Mechanism, saved: dict[str, Any]) -> Result:
         last = times[-1] if outcome is Outcome.INACCURATE else np.inf
         keep(found, np.isin(found.t, times), since, last)
     return found
-
-
-def _simulated(
-    mechanism: Mechanism, p: "FloatArray", start: Assembly, saved: dict[str, Any]
-) -> tuple[Mechanism, Motion]:
-    """The run of a simulation, and the mechanism with the kernels that it took."""
-
-    def missing(*_: Any) -> float:
-        raise InputError(
-            f"{mechanism.title}: the controllers of this run are functions that no file keeps, so "
-            "it cannot be taken again. Simulate anew."
-        )
-
-    kept = saved["motion"]
-    length = kept["length"] if "length" in kept else kept["handover"]  # of older files
-    ready = PreparedSimulation(
-        mechanism, kept["t_end"], t_start=start.t, parameters=saved["parameters"], guess=None,
-        start=start, controllers=dict.fromkeys(mechanism.description.controllers, missing),
-        length=length if length is None else float(length),
-    )  # fmt: skip
-    ready.given_t = kept["given_t"]
-    ready.samples_taken, taken = kept["taken"]
-    ready.discrete, last = (_discrete(mechanism, p, stand) for stand in kept["discrete"])
-    options = Options(**kept["options"])
-    coordinates = formulate(ready, kept["formulation"], options.method, options.correction)
-    motion = SimulatedMotion(coordinates, options, Checkpoints(), kept["end"], taken, last)
-    return coordinates.equations.mechanism, motion
-
-
-def _discrete(mechanism: Mechanism, p: "FloatArray", stand: Any) -> Discrete | None:
-    """Where clocks and conditions stand, by the tables of the machine; InputError if by others."""
-    if stand is None:
-        return None
-    clocks = read_clocks(mechanism.system, p)
-    count, queue = len(clocks), queue_length(clocks)
-    ticks = floats(stand.ticks, (2 * count,), "ticks").astype(np.int64)
-    ahead = np.diff(ticks.reshape(count, 2))  # from the next sample to the next that acts
-    if ((ahead > 0) | (ahead < -queue)).any():
-        raise InputError("the array ticks of the file has clocks that wait for what never comes.")
-    waiting = floats(stand.waiting, (count, queue), "waiting")
-    watched = len(mechanism.description.watched)
-    return Discrete(ticks, waiting, floats(stand.held, (watched,), "held"))
-
-
-def _driven(
-    mechanism: Mechanism, p: "FloatArray", start: Assembly, saved: dict[str, Any]
-) -> tuple[Mechanism, Motion]:
-    """The motion that drivers prescribe, and the mechanism with the kernels that it took."""
-    kept = saved["motion"]
-    suited = suited_equations(Equations(mechanism, p), start).mechanism
-    preferred: FloatArray = floats(kept["preferred"], start.q.shape, "preferred")
-    times = floats(kept["times"], (-1,), "times")
-    return suited, DrivenMotionAtInstants(suited, p, start, preferred, times)

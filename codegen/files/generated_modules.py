@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import CodeType, ModuleType
+from typing import Any
 
 from codegen.errors import GeneratedFileError, SupersededError
 from codegen.machine_code.file_lock import locked
@@ -23,6 +24,8 @@ MARK = "# content-sha256: "
 UNSIGNED = "0" * 64
 # in the header, in the form that a checkout has without an installation
 _REBUILD = re.compile(r"python -m codegen (\w+.*)")
+_UNROLL = re.compile(r"\bunroll(?:=['\"]| )(always|never)\b")  # in the header's command
+_HEADER = 4000  # layout: characters of a generated file, in which its command stands
 _SIGNATURE = re.compile(rf"^{MARK}([0-9a-f]{{64}})$", re.MULTILINE)
 _IMPORT = re.compile(r"^import numba$", re.MULTILINE)
 FIRST_KERNEL = re.compile(r"^(?:@|def )", re.MULTILINE)
@@ -40,12 +43,12 @@ def signed(text: str) -> str:
 
 def is_signed(text: str) -> bool:
     """Whether a file's text carries a signature in its header, valid or not."""
-    return _SIGNATURE.search(text[:4000]) is not None
+    return _SIGNATURE.search(text[:_HEADER]) is not None
 
 
 def check_signature(path: Path, text: str, rebuild: str) -> None:
     """Compare the header's hash with the text's; GeneratedFileError if it is missing or differs."""
-    match = _SIGNATURE.search(text[:4000])
+    match = _SIGNATURE.search(text[:_HEADER])
     if match is None:
         raise GeneratedFileError(
             f"{path} has no content-sha256 line in its header, so it was not written by Linkwright "
@@ -75,6 +78,12 @@ def read_generated(path: Path) -> str:
         ) from error
 
 
+def unroll_of(path: Path) -> str:
+    """How kernels were written when a generated file was built; "auto" where there is none."""
+    match = _UNROLL.search(read_generated(path)[:_HEADER]) if path.is_file() else None
+    return match[1] if match else "auto"
+
+
 def text_hash(text: str) -> str:
     """SHA-256 of a generated text."""
     return hashlib.sha256(text.encode()).hexdigest()
@@ -85,8 +94,7 @@ def content_hash(path: Path, digest: str) -> str:
 
     That is its text without the comments of its header and without SOURCES, which name paths.
     """
-    module = sys.modules.get(_name(path, digest))
-    text = read_generated(path) if module is None else module.__loader__.text  # type: ignore[union-attr]
+    text = loaded_text(path, digest) or read_generated(path)
     head = FIRST_KERNEL.split(text, maxsplit=1)[0]
     named = [x for x in ast.parse(head).body if isinstance(x, ast.Assign)]
     sources = [x for x in named if ast.unparse(x.targets[0]) == "SOURCES"]
@@ -98,22 +106,34 @@ def content_hash(path: Path, digest: str) -> str:
     return text_hash("".join(kept) + text[len(head) :])
 
 
-def import_generated(path: Path, digest: str | None = None) -> ModuleType:
-    """Import a generated file, compiling kernels whose machine code is not kept.
+def import_generated(path: Path, digest: str | None = None, text: str | None = None) -> ModuleType:
+    """Import a generated file, or its `text`, compiling kernels whose machine code is not kept.
 
     The module's name follows from the file's content: a rebuilt module is never mistaken for the
     one that it replaces. Raises GeneratedFileError if the file cannot be read or does not compile,
     SupersededError if its text does not have the SHA-256 `digest`.
     """
     with alone(path):
-        text = read_generated(path)
+        text = read_generated(path) if text is None else text
         actual = text_hash(text)
         if digest not in (None, actual):
             raise SupersededError(f"{path} was replaced while it was being loaded; load it again.")
         name = module_name(path, text)
-        if name in sys.modules and sys.modules[name].__file__ == str(path):
-            return sys.modules[name]
+        loaded = sys.modules.get(name)
+        if loaded is not None and _loader(loaded).path == str(path):
+            return loaded
         return _execute(name, path, text)
+
+
+def loaded_text(path: Path, digest: str) -> str | None:
+    """The text of a generated file that this process has imported; None if it has not."""
+    module = sys.modules.get(_name(path, digest))
+    return None if module is None else _loader(module).text
+
+
+def _loader(module: ModuleType) -> "_TextLoader":
+    assert isinstance(module.__loader__, _TextLoader)
+    return module.__loader__
 
 
 def module_name(path: Path, text: str) -> str:
@@ -126,10 +146,14 @@ def _name(path: Path, digest: str) -> str:
 
 
 def _execute(name: str, path: Path, text: str) -> ModuleType:
-    """Execute a text that was verified: no byte code, and nothing else that lies in its folder."""
+    """Execute a text that was verified: no byte code, and nothing else that lies in its folder.
+
+    The module names no file: whatever reloads modules whose files have changed passes it by.
+    """
     loader = _TextLoader(name, str(path), text)
     spec = importlib.util.spec_from_file_location(name, path, loader=loader)
     assert spec is not None
+    spec.has_location = False
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     try:
@@ -138,7 +162,7 @@ def _execute(name: str, path: Path, text: str) -> ModuleType:
         del sys.modules[name]
         if not isinstance(error, Exception):
             raise
-        command = _REBUILD.search(text[:4000])
+        command = _REBUILD.search(text[:_HEADER])
         raise GeneratedFileError(
             f"{path} does not load: {type(error).__name__}: {error}. Delete it, and rebuild it: "
             f"{f'linkwright {command[1]}' if command else 'load the model again.'}"
@@ -181,3 +205,11 @@ class _TextLoader(SourceFileLoader):
     def get_source(self, fullname: str) -> str:
         """The text."""
         return self.text
+
+    def pickled(self, kernel: str) -> tuple[Any, ...]:
+        """How another process finds a kernel of the text."""
+        return _kernel, (Path(self.path), text_hash(self.text), kernel)
+
+
+def _kernel(path: Path, digest: str, name: str) -> Any:
+    return getattr(import_generated(path, digest), name)

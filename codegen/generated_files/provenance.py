@@ -9,8 +9,11 @@ import sympy
 from codegen.derive.equations import Equations
 from codegen.emit.line_wrapping import literal
 from codegen.emit.module import Origin, Unroll
+from codegen.files.build_records import Input, Record, generator_state
 from codegen.files.library_folders import LIBRARY, models_folder
+from codegen.model import Model
 from codegen.reading.model_file import ModelFile
+from codegen.reading.scene_selection import DEFAULT
 
 
 def default_folder(file: ModelFile) -> Path:
@@ -27,6 +30,13 @@ def file_name(stem: str, equations: Equations, settings: Mapping[str, float]) ->
         text = ",".join(f"{name}={literal(value)}" for name, value in sorted(settings.items()))
         stem += f"__{hashlib.sha256(text.encode()).hexdigest()[:8]}"
     return f"{stem}.py"
+
+
+def record(file: ModelFile, model: Model, digest: str) -> Record:
+    """What a generated text with this SHA-256 was made from."""
+    sources = (Input("file", str(path), value) for path, value in file.sources)
+    scenes = tuple(model.scenes) or (DEFAULT,)
+    return Record(digest, generator_state(), scenes, (*sources, *file.asked), file.unwatched)
 
 
 def origin(

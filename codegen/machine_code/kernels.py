@@ -124,6 +124,10 @@ class Kernel(_types.WrapperAddressProtocol):  # type: ignore[misc]
     def __wrapper_address__(self) -> int:
         return self.c_address
 
+    def __reduce__(self) -> Any:
+        """As the kernel of its text: addresses hold in one process."""
+        return self.py_func.__globals__["__loader__"].pickled(self.py_func.__name__)
+
 
 @typeof_impl.register(Kernel)
 def type_of_kernel(kernel: Kernel, context: object) -> Any:

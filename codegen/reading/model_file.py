@@ -14,18 +14,21 @@ from pathlib import Path
 from types import ModuleType
 
 from codegen.errors import InputError, ModelFileError
+from codegen.files.build_records import Input
 from codegen.files.generated_modules import is_signed
-from codegen.files.library_folders import LIBRARY, find_model_file, installed_folders
+from codegen.files.library_folders import find_model_file
 from codegen.model import Model
 from codegen.readers.calls import sympy_remedy
 from codegen.readers.values import shown
+from codegen.reading.watched_inputs import Watch, is_local, is_local_code, unseen_requests, watched
 
 _IN_USE = {
     *("codegen", "linkwright", "runtime", "filelock", "llvmlite", "matplotlib", "mpmath"),
     *("netCDF4", "numba", "numpy", "pandas", "pint", "pyarrow", "pydantic", "rich", "scipy"),
     *("sympy", "typer", "xarray"),
 }
-"""Packages that a file beside a model file does not replace."""
+_KEPT = {"__main__", *sys.stdlib_module_names, *_IN_USE}
+"""Modules that a file beside a model file does not replace."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +41,8 @@ class ModelFile:
     model: Model
     path: Path | None
     sources: tuple[tuple[Path, str], ...]
+    asked: tuple[Input, ...] = ()  # what else it asked for while it ran
+    unwatched: tuple[str, ...] = ()  # requests whose answers nobody can watch
 
     @property
     def stem(self) -> str:
@@ -64,7 +69,7 @@ def execute_model_file(path: Path) -> ModelFile:
             f"{path} is a module that was generated from a model, and declares none; give the "
             "model and the scene that it names in its first lines."
         )
-    namespace, files = _execute(path)
+    namespace, files, watch = _execute(path)
     models = {id(v): v for v in namespace.values() if isinstance(v, Model)}
     declared = models.get(id(namespace.get("model")))
     if declared is None:
@@ -76,7 +81,10 @@ def execute_model_file(path: Path) -> ModelFile:
             )
         (declared,) = models.values()
     files += [file for file in declared.files if file not in files]
-    return ModelFile(declared, path, tuple((p, file_hash(p)) for p in files))
+    asked = tuple(row for row in watch.inputs() if Path(row.name) not in files)
+    return ModelFile(
+        declared, path, tuple((p, file_hash(p)) for p in files), asked, tuple(watch.unwatched)
+    )
 
 
 def file_hash(path: Path) -> str:
@@ -117,15 +125,9 @@ def local_files(path: Path) -> list[Path]:
         for name in _imported_names(current, package):
             module = sys.modules.get(name)
             file = Path(getattr(module, "__file__", None) or "").resolve()
-            if file.is_file() and _is_local(file):
+            if file.is_file() and is_local(file):
                 waiting.append((file, getattr(module, "__package__", None) or ""))
     return list(files)
-
-
-def _is_local(file: Path) -> bool:
-    """Whether a file belongs to the user or the library of models, rather than to a package."""
-    ours = (LIBRARY / name for name in ("linkwright", "codegen", "runtime", "generated"))
-    return not any(file.is_relative_to(folder) for folder in (*ours, *installed_folders()))
 
 
 def _imported_names(path: Path, package: str) -> list[str]:
@@ -145,16 +147,19 @@ def _imported_names(path: Path, package: str) -> list[str]:
     return sorted(above)
 
 
-def _execute(path: Path) -> tuple[dict[str, object], list[Path]]:
-    """The names that a model file defines, and its local source files."""
+def _execute(path: Path) -> tuple[dict[str, object], list[Path], Watch]:
+    """The names that a model file defines, its local source files, and what it asked for."""
     spec = importlib.util.spec_from_file_location(f"_linkwright_model_{path.stem}", path)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     try:
         with _fresh_imports(path.parent), contextlib.redirect_stdout(sys.stderr):
-            spec.loader.exec_module(module)
+            with watched() as watch:
+                spec.loader.exec_module(module)
             files = local_files(path)
+        read = [Path(name) for kind, name in watch.asked if kind == "file" and name[-3:] == ".py"]
+        watch.unwatched |= dict.fromkeys(unseen_requests({*files, *read}))
     except KeyboardInterrupt:
         raise
     except BaseException as error:
@@ -169,7 +174,7 @@ def _execute(path: Path) -> tuple[dict[str, object], list[Path]]:
         remedy = sympy_remedy(error)
         why = f"{type(error).__name__}: {error}" + (f". Note: {remedy}." if remedy else "")
         raise ModelFileError(f"{path}{line}: the model file fails with {why}") from error
-    return vars(module), files
+    return vars(module), files, watch
 
 
 class _Siblings:
@@ -186,7 +191,7 @@ class _Siblings:
         self, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
         """The specification of a neighbour; None leaves the search to others."""
-        if path is not None or name in sys.stdlib_module_names or name in _IN_USE:
+        if path is not None or name in _KEPT:
             return None
         return PathFinder.find_spec(name, [self.folder], target)
 
@@ -195,10 +200,15 @@ class _Siblings:
 def _fresh_imports(folder: Path) -> Iterator[None]:
     """Import local files as they are now, those of `folder` first, and forget them afterwards.
 
+    Modules that the program has imported before stay its own: their files may have changed since.
     The working folder and the search path are as before when the model file has ended. Byte code is
     not kept, as its date is in seconds, nor are modules: another folder may hold another file of
     the same name, and this one may be edited before the next build.
     """
+    is_first = not any(isinstance(finder, _Siblings) for finder in sys.meta_path)
+    held = {name: x for name, x in [*sys.modules.items()] if is_first and _is_of_user(name, x)}
+    for name in held:
+        del sys.modules[name]
     before, writes = set(sys.modules), sys.dont_write_bytecode
     search, here, siblings = sys.path[:], Path.cwd(), _Siblings(folder)
     sys.meta_path.insert(0, siblings)
@@ -214,5 +224,12 @@ def _fresh_imports(folder: Path) -> Iterator[None]:
         sys.dont_write_bytecode = writes
         for name in set(sys.modules) - before:
             origin = getattr(sys.modules[name], "__file__", None)
-            if origin and _is_local(Path(origin).resolve()):
+            if origin and is_local(Path(origin)):
                 del sys.modules[name]
+        sys.modules.update(held)
+
+
+def _is_of_user(name: str, module: ModuleType) -> bool:
+    """Whether a module in use comes from a local Python file, and can be imported once more."""
+    file = getattr(module, "__file__", None) or ""
+    return file.endswith(".py") and name not in _KEPT and is_local_code(file)

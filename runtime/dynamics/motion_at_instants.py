@@ -4,25 +4,29 @@ It has the same steps and bits, and samples at the instants that are asked for, 
 those of `t_eval`, whatever the method, the coordinates and the modes.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from codegen.errors import AnalysisError
+from codegen.errors import AnalysisError, InputError
 from codegen.files.generated_modules import content_hash
-from runtime.dynamics.formulations import Coordinates
+from runtime.assembly.assemble import assemble
+from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.output_quantities import along_intervals, evaluate
 from runtime.dynamics.prepared_simulation import PreparedSimulation, discrete_state
 from runtime.integrate.checkpoints import Checkpoint, Checkpoints, Passed, Until
+from runtime.integrate.clocks import queue_length, read_clocks
 from runtime.integrate.problem import Discrete, Options, Trajectory
 from runtime.integrate.sampling import INTERVAL
-from runtime.mechanism.dense_equations import FloatArray
+from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism import Mechanism
-from runtime.results.assembled_state import DiscreteState
+from runtime.results.assembled_state import Assembly, DiscreteState, State
 from runtime.results.result import Result
 from runtime.results.samples import Samples
+from runtime.results.saved_result import floats
 
 SAVED = (
     "method", "rtol", "atol_q", "atol_v", "correction", "time_scale", "first_step", "h_max",
@@ -51,6 +55,23 @@ class SimulatedMotion:
     end: float  # last instant that the run reached, s
     samples_taken: bool = True  # whether clocks have renewed what is due there
     last: Discrete | None = None  # where clocks and conditions stand there
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The machine, start and settings of the run, as files keep them; no checkpoints."""
+        if "coordinates" not in vars(self):
+            return vars(self)
+        ready, description = self.ready, self.ready.mechanism.description
+        values = dict(zip(description.parameters.names, ready.p.tolist(), strict=False))
+        ends = {"end": self.end, "samples_taken": self.samples_taken, "last": self.last}
+        return {"again": (ready.mechanism, ready.p, ready.begin, values, self._settings()), **ends}
+
+    def __getattr__(self, name: str) -> Any:
+        """Of a pickled run, what is prepared again when it is first needed."""
+        if name not in ("coordinates", "options", "checkpoints") or "again" not in vars(self):
+            raise AttributeError(name)
+        found = simulated_again(*vars(self)["again"])
+        vars(self).update(vars(found))
+        return getattr(found, name)
 
     @property
     def ready(self) -> PreparedSimulation:
@@ -160,6 +181,9 @@ class SimulatedMotion:
 
     def saved(self) -> dict[str, Any]:
         """Its start and its settings."""
+        return {**self._settings(), "source": source_of(self.ready.mechanism)}
+
+    def _settings(self) -> dict[str, Any]:
         ready, begin = self.ready, self.ready.begin
         options = {name: getattr(self.options, name) for name in SAVED}
         return {
@@ -167,7 +191,6 @@ class SimulatedMotion:
             "taken": (ready.samples_taken, self.samples_taken), "length": ready.given_length,
             "discrete": (ready.discrete, self.last),
             "t_end": ready.t_end, "formulation": self.coordinates.name, "options": options,
-            "source": source_of(ready.mechanism),
         }  # fmt: skip
 
     resumed = resumed
@@ -181,3 +204,52 @@ def source_of(mechanism: Mechanism) -> dict[str, str] | None:
     file = str(origin.model) if isinstance(origin.model, Path) else ""
     return {"model": file, "scene": mechanism.description.scene,
             "content": content_hash(origin.path, origin.digest)}  # fmt: skip
+
+
+def start_again(
+    mechanism: Mechanism, p: FloatArray, t: float, q: FloatArray, v: FloatArray
+) -> Assembly:
+    """The assembled start of a motion that began at these coordinates and velocities, (n,) each."""
+    start = assemble(Equations(mechanism, p), t, start_at=State(t, q, v))
+    return replace(start, q=q, v=v)
+
+
+def simulated_again(
+    mechanism: Mechanism, p: FloatArray, start: Assembly, parameters: Mapping[str, float],
+    kept: dict[str, Any],
+) -> SimulatedMotion:  # fmt: skip
+    """The run of a simulation from a start, of what was kept of it; without its functions."""
+
+    def missing(*_: Any) -> float:
+        raise InputError(
+            f"{mechanism.title}: the controllers of this run are functions that no file keeps, so "
+            "it cannot be taken again. Simulate anew."
+        )
+
+    length = kept["length"] if "length" in kept else kept["handover"]  # of older files
+    ready = PreparedSimulation(
+        mechanism, kept["t_end"], t_start=start.t, parameters=parameters, guess=None,
+        start=start, controllers=dict.fromkeys(mechanism.description.controllers, missing),
+        length=length if length is None else float(length),
+    )  # fmt: skip
+    ready.given_t = kept["given_t"]
+    ready.samples_taken, taken = kept["taken"]
+    ready.discrete, last = (_discrete(mechanism, p, stand) for stand in kept["discrete"])
+    options = Options(**kept["options"])
+    coordinates = formulate(ready, kept["formulation"], options.method, options.correction)
+    return SimulatedMotion(coordinates, options, Checkpoints(), kept["end"], taken, last)
+
+
+def _discrete(mechanism: Mechanism, p: FloatArray, stand: Any) -> Discrete | None:
+    """Where clocks and conditions stand, by the tables of the machine; InputError if by others."""
+    if stand is None:
+        return None
+    clocks = read_clocks(mechanism.system, p)
+    count, queue = len(clocks), queue_length(clocks)
+    ticks = floats(stand.ticks, (2 * count,), "ticks").astype(np.int64)
+    ahead = np.diff(ticks.reshape(count, 2))  # from the next sample to the next that acts
+    if ((ahead > 0) | (ahead < -queue)).any():
+        raise InputError("the array ticks of the file has clocks that wait for what never comes.")
+    waiting = floats(stand.waiting, (count, queue), "waiting")
+    watched = len(mechanism.description.watched)
+    return Discrete(ticks, waiting, floats(stand.held, (watched,), "held"))

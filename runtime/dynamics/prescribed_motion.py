@@ -59,7 +59,6 @@ def kinematics(
     begin = assemble(equations, t_start, guess, start)
     _require_driven(mechanism, begin, analysis)
     equations = suited_equations(equations, begin)
-    mechanism = equations.mechanism
     preferred = start_values(mechanism, guess, start).v
     motion, kinks = _follow_past_kinks(equations, times, begin, preferred, progress)
     samples = evaluate(equations, motion.t, motion.q, motion.v)
@@ -124,13 +123,18 @@ class DrivenMotionAtInstants(Motion):
         t, first, last = self.start.t, float(self.times[0]), float(self.times[-1])
         return min(t, first), max(t, last)
 
+    @property
+    def equations(self) -> Equations:
+        """With kernels of least norm where constraints are redundant."""
+        return suited_equations(Equations(self.mechanism, self.p), self.start)
+
     def scene(self, t: float) -> str:
         """The scene, whose joints act all the time."""
         return self.mechanism.description.scene
 
     def at(self, result: Result, times: FloatArray) -> Found:
         """At ascending instants, (k,), of the span, s: followed again from the start."""
-        equations = Equations(self.mechanism, self.p)
+        equations = self.equations
         motion, _ = _follow_past_kinks(equations, times, self.start, self.preferred, silent)
         if len(motion.t) != len(times) or motion.outcome is not Outcome.OK:
             raise AnalysisError(

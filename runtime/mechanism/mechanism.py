@@ -8,73 +8,39 @@ When joints come or go, the run goes on in another scene, whose module is found 
 or built.
 """
 
-import re
 from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from codegen.errors import AnalysisError, SupersededError
+from codegen.errors import AnalysisError, GeneratedFileError, SupersededError
+from codegen.files.build_records import superseded, unchanged
 from codegen.files.generated_modules import (
     check_signature,
     companion_path,
     import_generated,
+    loaded_text,
     read_generated,
     text_hash,
+    unroll_of,
 )
 from runtime.core.kernel_abi import Kernels, gather
 from runtime.core.system import System
 from runtime.mechanism.module_tables import Description, describe
+from runtime.mechanism.origin import CONTENTS, Kind, Origin
 from runtime.mechanism.system import Reduced, Tangents, common_system, gather_tangents
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
 
 Values = Mapping[str, float]
-Kind = Literal["tangents", "reduced", "picture"]
 
-_BELONGS = re.compile(r'^MODULE_SHA256 = "([0-9a-f]{64})"$', re.MULTILINE)
-_HEADER = 4000  # layout: characters of a generated file, in which its command stands
-_UNROLL = re.compile(r"\bunroll(?:=['\"]| )(always|never)\b")  # in the command of the header
-_CONTENTS = {
-    "tangents": "derivatives", "reduced": "reduced equations", "picture": "picture",
-}  # fmt: skip
-
-
-class Origin(NamedTuple):
-    """The source of a loaded machine."""
-
-    model: "Path | Model"  # the model file, or the `Model` of the running program
-    scene: "str | Scene"
-    path: Path  # the scene's generated file
-    digest: str  # SHA-256 of its text
-
-    def current_companion(self, kind: Kind) -> str | None:
-        """The text of a companion's file, where it belongs to the scene's; else None."""
-        place = companion_path(self.path, kind)
-        if not place.is_file():
-            return None
-        text = read_generated(place)
-        belongs = _BELONGS.search(text)
-        current = belongs is not None and belongs.group(1) == self.digest
-        has = {"tangents": "def accelerations_tangent(", "reduced": "def reduced_mass("}
-        if kind == "picture":
-            from codegen.drawing.picture import VERSION
-
-            has["picture"] = f'LAYOUT = "{VERSION}"'
-        return text if current and has[kind] in text else None  # else another generator wrote it
-
-    def command(self, kind: Kind) -> str:
-        """How the user has a companion built anew."""
-        if not isinstance(self.model, Path) or not isinstance(self.scene, str):
-            return f"delete the file, and ask for the {_CONTENTS[kind]} again."
-        place = self.path.parent
-        return f"linkwright build {self.model} --scene {self.scene} --out {place} --{kind}"
+_ARRIVALS = 32  # layout: machines of other processes that are kept loaded
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +53,33 @@ class Mechanism:
     origin: Origin | None = None  # from which companion modules are built
     # constraints that imply the others; None: all are independent
     sufficient: tuple[int, ...] | None = None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """As what it was loaded from: compiled code and its addresses hold in one process."""
+        origin = self.need_origin("a machine in another process").portable()
+        state = {"description": self.description, "path": self.path, "origin": origin}
+        if "siblings" in vars(self):
+            state["siblings"] = self.siblings
+        return _arrived, (self.path, origin.digest), state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update({**state, **vars(self)})
+
+    def __getattr__(self, name: str) -> Any:
+        """The kernels of a machine that was pickled, loaded when they are first needed."""
+        if name != "kernels" or "origin" not in vars(self):
+            raise AttributeError(name)
+        origin = self.need_origin("its kernels")
+        text = origin.texts.get("") or loaded_text(origin.path, origin.digest)
+        try:
+            found = gather(import_generated(origin.path, origin.digest, text))
+        except GeneratedFileError as error:
+            raise GeneratedFileError(
+                f"{self.title} was pickled, and its module {origin.path} is not here as it was "
+                f"({error}). Load the machine again where it is pickled, and have the folder of "
+                "generated modules at the same path here."
+            ) from error
+        return vars(self).setdefault("kernels", found)
 
     @property
     def title(self) -> str:
@@ -183,32 +176,39 @@ class Mechanism:
             )
         return self.origin
 
+    def declared(self, what: str) -> "tuple[Path | Model, str | Scene]":
+        """Model and scene, from which `what` is built; AnalysisError where none is known here."""
+        model, scene = self.need_origin(what).declared()
+        if model is None:
+            raise AnalysisError(
+                f"{self.title} was declared in another process, whose model could not be pickled, "
+                f"so {what} cannot be built here. Have it built there before, or load the machine "
+                "of a model file."
+            )
+        return model, scene
+
     def companion(self, kind: Kind) -> ModuleType:
         """The module that belongs to the scene's; built if missing or stale.
 
         Raises AnalysisError if the machine was not loaded from a model, GeneratedFileError if the
         file was edited by hand, or cannot be written, SupersededError if the model has changed.
         """
-        origin = self.need_origin(f"its {_CONTENTS[kind]}")
+        origin = self.need_origin(f"its {CONTENTS[kind]}")
         text = origin.current_companion(kind)
         if text is not None:
             place = companion_path(origin.path, kind)
-            check_signature(place, text, origin.command(kind))
-            return import_generated(place, text_hash(text))
+            return import_generated(place, text_hash(text), text)
         from codegen import build
 
-        # kernels in loops, or not, as the header of the scene's file says
-        header = read_generated(origin.path)[:_HEADER] if origin.path.is_file() else ""
-        unroll, folder = _UNROLL.search(header), origin.path.parent
-        wanted = {kind: True, "unroll": unroll[1] if unroll else "auto"}
-        (report,) = build(origin.model, origin.scene, folder, compile=False, **wanted).scenes  # type: ignore[arg-type]
+        source, wanted = self.declared(f"its {CONTENTS[kind]}"), {kind: True, "unroll": None}
+        (report,) = build(*source, origin.path.parent, compile=False, **wanted).scenes  # type: ignore[arg-type]
         companion = getattr(report, kind)
         if report.digest != origin.digest or companion is None:
             raise SupersededError(
                 f"{origin.path} is {origin.digest[:12]}... in this machine and "
                 f"{report.digest[:12]}... now: the model, or the generator, has changed since the "
                 f"machine of scene '{self.description.scene}' was loaded, and its "
-                f"{_CONTENTS[kind]} would be those of another one. Load the machine again."
+                f"{CONTENTS[kind]} would be those of another one. Load the machine again."
             )
         return import_generated(companion.path, companion.digest)
 
@@ -273,23 +273,37 @@ def sibling_named(mechanism: Mechanism, scene: str) -> Mechanism | None:
 
 def _built(mechanism: Mechanism, scene: str, joints: Set[str]) -> Mechanism:
     """The sibling's module, loaded where it is there and of the same sources, else built."""
-    origin = mechanism.need_origin(f"scene '{scene}', in which the run goes on,")
+    what = f"scene '{scene}', in which the run goes on,"
+    origin = mechanism.need_origin(what)
     own = origin.path.stem.partition("__")[0]
     place = origin.path.with_name(f"{own}__{scene}.py")
-    if isinstance(origin.model, Path) and isinstance(origin.scene, str) and place.is_file():
-        text = read_generated(place)
-        check_signature(place, text, f"linkwright build {origin.model} --scene {scene}")
-        found = read_mechanism(place, text_hash(text), origin.model, scene)
-        same = ("generator", "sources")
-        if all(getattr(found.description, n) == getattr(mechanism.description, n) for n in same):
-            return found
+    if isinstance(origin.model, Path):
+        if superseded(origin.path, origin.digest, origin.model):
+            raise SupersededError(
+                f"{mechanism.title}: {origin.model}, what it asks for, or the generator is not as "
+                f"it was when the machine was loaded, so {what} would be that of another one. Load "
+                "the machine again."
+            )
+        if isinstance(origin.scene, str) and place.is_file():
+            text = read_generated(place)
+            check_signature(place, text, f"linkwright build {origin.model} --scene {scene}")
+            if unchanged(place, text_hash(text), origin.model) is not None:
+                return read_mechanism(place, text_hash(text), origin.model, scene)
     from codegen import build
 
+    model, declared = mechanism.declared(what)
     wanted: str | Scene = scene
-    if not isinstance(origin.scene, str):
-        owner = origin.scene.owner
-        assert owner is not None
-        after = {*origin.scene.connected} ^ joints
-        wanted = owner.reconnected(origin.scene, tuple(after))
-    (report,) = build(origin.model, wanted, origin.path.parent, compile=False).scenes
-    return read_mechanism(report.path, report.digest, origin.model, wanted)
+    if not isinstance(declared, str):
+        assert declared.owner is not None
+        after = {*declared.connected} ^ joints
+        wanted = declared.owner.reconnected(declared, tuple(after))
+    unroll: Any = unroll_of(origin.path)
+    folder = origin.path.parent
+    (report,) = build(model, wanted, folder, compile=False, unroll=unroll).scenes
+    return read_mechanism(report.path, report.digest, model, wanted)
+
+
+@lru_cache(maxsize=_ARRIVALS)
+def _arrived(path: Path, digest: str) -> Mechanism:
+    """The mechanism of a text that was pickled, without its state: once for all of its arrivals."""
+    return Mechanism.__new__(Mechanism)

@@ -125,7 +125,6 @@ def _sampled(result: "Result", motion: Motion, times: FloatArray, moved: FloatAr
     unique, place = np.unique(np.clip(moved, *_span(result, motion)), return_inverse=True)
     samples, works = _taken(result, motion, unique)
     found = copy(result)
-    vars(found).pop("data", None)
     found.samples = samples.at(place)._replace(t=times)
     found._chosen = True
     found.works = {name: work[place] for name, work in works.items()}

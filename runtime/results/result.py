@@ -117,6 +117,10 @@ class Result(TimeSeries):
     def __post_init__(self, p: FloatArray) -> None:
         self.parameters = dict(zip(self.description.parameters.names, p.tolist(), strict=False))
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the labelled arrays, which follow from the others."""
+        return {name: value for name, value in vars(self).items() if name != "data"}
+
     @property
     def failed(self) -> bool:
         """Whether the analysis ended before its end."""

@@ -25,6 +25,7 @@ from pydantic import BaseModel, FiniteFloat, PositiveInt
 
 from codegen import __version__
 from codegen.errors import FAILURES, InputError, LinkwrightError
+from codegen.files.build_records import source_hash
 from codegen.files.library_folders import installed_folders
 from codegen.readers.values import one_line
 from runtime.core.arrays import Matrix, Vector
@@ -128,15 +129,9 @@ def program_facts() -> dict[str, str]:
     """Versions by name, the hash of Linkwright's own sources, and the kind of processor."""
     from codegen.machine_code.code_folders import processor  # which loads numba
 
-    root, found = Path(__file__).resolve().parents[2], hashlib.sha256()
-    for file in sorted(
-        file for room in ("codegen", "runtime") for file in root.glob(f"{room}/**/*.py")
-    ):
-        content = file.read_bytes()
-        found.update(f"{file.relative_to(root).as_posix()} {len(content)}\n".encode() + content)
     return {
         "linkwright": __version__,
-        SOURCES: found.hexdigest(),
+        SOURCES: source_hash(("codegen", "runtime")),
         "python": platform.python_version(),
         **{library: version(library) for library in ("llvmlite", "numba", "numpy", "scipy")},
         PROCESSOR: f"{platform.machine()} {processor()[0]}",

@@ -9,6 +9,9 @@ import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from codegen.files.build_records import Input, Record, generator_state, write_record
+from codegen.files.generated_modules import text_hash
+
 DATA = Path(__file__).parent / "data"
 REVOLUTE_X, REVOLUTE_Y, ABSOLUTE, DRIVER = range(4)
 
@@ -161,8 +164,11 @@ class Mechanism:
         model = folder / "models" / f"{self.model}.py"
         write_whole(model, f'model = Model("{self.model}")\nmodel.scene("{self.scene}")\n')
         source = (f"models/{model.name}", hashlib.sha256(model.read_bytes()).hexdigest())
-        module = folder / "generated" / f"{self.model}__{self.scene}.py"
-        write_whole(module, self.text(source))
+        module, text = folder / "generated" / f"{self.model}__{self.scene}.py", self.text(source)
+        write_whole(module, text)
+        inputs = (Input("file", str(model.resolve()), source[1]),)
+        scenes = (self.scene,)
+        write_record(module, Record(text_hash(text), generator_state(), scenes, inputs, ()))
         return model
 
 

@@ -2,7 +2,9 @@
 
 import hashlib
 import importlib.util
+import inspect
 import marshal
+import os
 import struct
 from pathlib import Path
 from types import ModuleType
@@ -76,3 +78,19 @@ def test_a_module_that_does_not_load_says_how_it_is_built_again(
     path.write_text(text[: len(text) // 2] + "\n(")
     with pytest.raises(GeneratedFileError, match=rf"rebuild it: linkwright {command}$"):
         generated.import_generated(path)
+
+
+def test_a_reloader_passes_generated_modules_by(tmp_path: Path) -> None:
+    """IPython's rewrites what modules in use hold when their files change."""
+    autoreload = pytest.importorskip("IPython.extensions.autoreload")
+    path, reloader = tmp_path / "module.py", autoreload.ModuleReloader()
+    texts, found = (f"def value():\n    return {k}\n" for k in (1, 2)), []
+    first, second = texts
+    for date, text in enumerate((first, second, first, second)):
+        path.write_text(text)
+        os.utime(path, (2e9 + date, 2e9 + date))
+        found.append(generated.import_generated(path, generated.text_hash(text)).value())
+        reloader.check(check_all=True)
+    assert found == [1, 2, 1, 2]
+    value = generated.import_generated(path).value
+    assert inspect.getsource(value) == second

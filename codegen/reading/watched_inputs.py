@@ -1,0 +1,176 @@
+"""What a model asks for while its file runs: files, folders, variables of the environment.
+
+Python's audit events tell what is opened and listed, as far as the model's own files ask for it,
+however deep: not what a package opens that is being imported. Some answers nobody can watch: those
+of other programs and computers, clocks, chance, and of libraries that open files by themselves.
+"""
+
+import ast
+import inspect
+import os
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from functools import cache
+from importlib.util import source_from_cache
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+from codegen.files.build_records import Input, value_of
+from codegen.files.library_folders import LIBRARY, installed_folders
+
+_ELSEWHERE = ("socket.", "subprocess.", "urllib.", "os.system", "os.exec", "os.fork", "os.spawn",
+              "os.posix_spawn", "builtins.input")  # fmt: skip
+"""Beginnings of audit events: other programs and computers are asked."""
+_UNSEEN = {
+    *("time", "time_ns", "now", "today", "utcnow", "localtime", "gmtime", "perf_counter"),
+    *("monotonic", "urandom", "uuid1", "uuid4", "randbits", "token_hex", "token_bytes"),
+    *("getpid", "gethostname", "cpu_count", "exists", "is_file", "is_dir", "isfile", "isdir"),
+    *("stat", "getmtime", "getsize", "access", "open_dataset", "load_dataset", "Dataset"),
+    *("read_parquet", "read_feather", "read_hdf", "read_orc", "read_table"),
+}
+"""Functions by the last part of their names: clocks, chance, looks at files without opening."""
+_GENERATORS = {"default_rng", "Random", "RandomState", "SystemRandom", "seed", "SeedSequence"}
+"""Functions that begin a sequence of random numbers, the same one where they are given a seed."""
+_RANDOM = {"random", "numpy.random", "secrets"}
+_NOT_WATCHED = tuple(map(Path, ("/dev", "/proc", "/sys")))
+
+_watching: list["Watch"] = []
+
+
+class Watch:
+    """The requests of a model file and of those that it reads."""
+
+    def __init__(self) -> None:
+        self.asked: dict[tuple[Any, str], None] = {}
+        self.unwatched: dict[str, None] = {}
+
+    def hear(self, event: str, given: tuple[Any, ...]) -> None:
+        """Note an audit event."""
+        if event == "sqlite3.connect" or (event == "open" and not _only_writes(*given[1:])):
+            self.note("file", given[0])
+        elif event in ("os.listdir", "os.scandir"):
+            self.note("folder", "." if given[0] is None else given[0])
+        elif event.startswith(_ELSEWHERE) and (asker := _asker()):
+            self.unwatched[f"{event}, {asker}"] = None
+
+    def note(self, kind: str, name: Any) -> None:
+        """Note a request for a file, a folder or a variable, if it is the model's."""
+        if not isinstance(name, str | bytes | os.PathLike) or not _asker(kind):
+            return
+        text = os.fsdecode(name)
+        if kind != "variable":
+            path = Path(text)
+            if not path.is_absolute():
+                self.asked["working folder", ""] = None
+            path = Path(os.path.abspath(path))  # noqa: PTH100 (links stay, and `..` goes)
+            if path.suffix == ".pyc":
+                with suppress(ValueError):  # of another program's making
+                    path = Path(source_from_cache(str(path)))
+            text = str(path)
+            if not is_local(path) or any(map(path.is_relative_to, _NOT_WATCHED)):
+                return
+        self.asked[kind, text] = None
+
+    def inputs(self) -> tuple[Input, ...]:
+        """All that was asked for, with the hashes of what was given, and is not yet changed."""
+        return tuple(Input(kind, name, value_of(kind, name)) for kind, name in self.asked)
+
+
+@contextmanager
+def watched() -> Iterator[Watch]:
+    """Watch what is asked for in the block."""
+    _listen()
+    watch, environment = Watch(), vars(os.environ)
+    usual = {word: environment[word] for word in ("encodekey", "decodekey")}
+
+    def look_up(name: str) -> Any:
+        watch.note("variable", name)
+        return usual["encodekey"](name)
+
+    def list_name(name: Any) -> Any:
+        watch.note("variable", "")
+        return usual["decodekey"](name)
+
+    _watching.append(watch)
+    environment.update(encodekey=look_up, decodekey=list_name)
+    try:
+        yield watch
+    finally:
+        environment.update(usual)
+        _watching.remove(watch)
+
+
+@cache
+def _listen() -> None:
+    """Hear audit events from now on: a hook stays as long as the process."""
+
+    def hear(event: str, given: tuple[Any, ...]) -> None:
+        for watch in _watching:
+            watch.hear(event, given)
+
+    sys.addaudithook(hear)
+
+
+def is_local(file: Path) -> bool:
+    """Whether a file belongs to the user or the library of models, rather than to a package."""
+    ours = (LIBRARY / name for name in ("linkwright", "codegen", "runtime", "generated"))
+    file = file.resolve()
+    return not any(file.is_relative_to(folder) for folder in (*ours, *installed_folders()))
+
+
+def is_local_code(file: str) -> bool:
+    """Whether the file of some code is local; not that of a text that was executed."""
+    return not file.startswith("<") and _is_local_folder(os.path.dirname(file))  # noqa: PTH120
+
+
+@cache
+def _is_local_folder(folder: str) -> bool:
+    return is_local(Path(folder, "module.py"))
+
+
+def _asker(kind: str = "") -> str:
+    """The line of a user's own file that asks; empty where a package does as it is imported."""
+    frame: FrameType | None = inspect.currentframe()
+    while frame is not None and frame.f_globals.get("__name__") == __name__:
+        frame = frame.f_back
+    if kind == "folder" and frame is not None and "importlib" in frame.f_code.co_filename:
+        return ""  # a search for a module
+    while frame is not None:
+        code = frame.f_code
+        if is_local_code(code.co_filename):
+            return f"{Path(code.co_filename).name}, line {frame.f_lineno}"
+        if code.co_name == "<module>" and not code.co_filename.startswith("<"):
+            return ""
+        frame = frame.f_back
+    return ""
+
+
+def _only_writes(mode: Any, flags: Any) -> bool:
+    if isinstance(mode, str):
+        return mode[:1] in ("w", "a", "x") and "+" not in mode
+    return isinstance(flags, int) and flags & (os.O_WRONLY | os.O_RDWR) == os.O_WRONLY
+
+
+def unseen_requests(files: Iterable[Path]) -> Iterator[str]:
+    """Calls in Python files whose answers change without anything that can be watched."""
+    for file in files:
+        tree = ast.parse(file.read_bytes())
+        drawn = {
+            alias.asname or alias.name for node in ast.walk(tree)
+            if isinstance(node, ast.ImportFrom) and node.module in _RANDOM for alias in node.names
+        }  # fmt: skip
+        calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call)]
+        named = [(ast.unparse(call.func).split("."), call) for call in calls]
+        seeded = any(parts[-1] == "seed" and call.args for parts, call in named)
+        for parts, call in named:
+            last, begins, of_object = parts[-1], parts[-1] in _GENERATORS, "(" in "".join(parts)
+            chance = last in drawn or ("random" in parts[:-1] and not of_object)
+            if (
+                last in _UNSEEN
+                or parts[0] == "h5py"
+                or (begins and not call.args and not call.keywords)
+                or (chance and not begins and not seeded)
+            ):
+                yield f"{'.'.join(parts)}, {file.name}, line {call.lineno}"

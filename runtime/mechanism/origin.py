@@ -1,0 +1,87 @@
+"""The source of a loaded machine, as this process and another one know it."""
+
+import pickle
+import re
+from collections.abc import Mapping
+from importlib import import_module, util
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+from codegen.files.build_records import of_this_generator
+from codegen.files.generated_modules import (
+    check_signature,
+    companion_path,
+    loaded_text,
+    read_generated,
+    text_hash,
+)
+
+if TYPE_CHECKING:
+    from codegen import Model, Scene
+
+Kind = Literal["tangents", "reduced", "picture"]
+
+_BELONGS = re.compile(r'^MODULE_SHA256 = "([0-9a-f]{64})"$', re.MULTILINE)
+CONTENTS: dict[Kind, str] = {
+    "tangents": "derivatives", "reduced": "reduced equations", "picture": "picture",
+}  # fmt: skip
+
+
+class Origin(NamedTuple):
+    """The source of a loaded machine."""
+
+    # the model file, or the `Model` of the running program; of another program this and the scene,
+    # pickled
+    model: "Path | Model | bytes"
+    scene: "str | Scene"
+    path: Path  # the scene's generated file
+    digest: str  # SHA-256 of its text
+    texts: Mapping[str, str] = {}  # of a pickled machine without files, "": its own; companions
+
+    def current_companion(self, kind: Kind) -> str | None:
+        """The text of a companion's file, where it belongs to the scene's; else None.
+
+        Raises GeneratedFileError if the file was edited by hand.
+        """
+        place = companion_path(self.path, kind)
+        if kind in self.texts or not place.is_file():
+            return self.texts.get(kind)
+        text = read_generated(place)
+        belongs = _BELONGS.search(text)
+        if belongs is None or belongs.group(1) != self.digest:
+            return None
+        check_signature(place, text, self.command(kind))
+        return text if of_this_generator(place, text_hash(text)) else None
+
+    def declared(self) -> "tuple[Path | Model, str | Scene]":
+        """The model and the scene, from which something can be built."""
+        if not isinstance(self.model, bytes):
+            return self.model, self.scene
+        model, scene = pickle.loads(self.model)
+        return model, scene
+
+    def portable(self) -> "Origin":
+        """As another process takes it, with texts where no file is sure to have them there."""
+        if isinstance(self.model, bytes):
+            return self
+        text, kept, found = loaded_text(self.path, self.digest), self.path.is_file(), self
+        kept = kept and text_hash(read_generated(self.path)) == self.digest
+        if text is not None and not (kept and isinstance(self.model, Path)):
+            others = {kind: self.current_companion(kind) for kind in CONTENTS}
+            found = found._replace(texts={"": text} | {k: x for k, x in others.items() if x})
+        if not isinstance(self.model, Path) or not isinstance(self.scene, str):
+            library = "cloudpickle" if util.find_spec("cloudpickle") else "pickle"
+            try:
+                source = import_module(library).dumps((self.model, self.scene))
+            except Exception:  # of a user's own object in the declaration
+                source = pickle.dumps((None, None))
+            name = self.scene if isinstance(self.scene, str) else self.scene.name
+            found = found._replace(model=source, scene=name)
+        return found
+
+    def command(self, kind: Kind) -> str:
+        """How the user has a companion built anew."""
+        if not isinstance(self.model, Path) or not isinstance(self.scene, str):
+            return f"delete the file, and ask for the {CONTENTS[kind]} again."
+        place = self.path.parent
+        return f"linkwright build {self.model} --scene {self.scene} --out {place} --{kind}"
