@@ -15,7 +15,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Literal, NamedTuple
 
-from codegen import __version__
 from codegen.errors import InputError
 from codegen.files.library_folders import LIBRARY
 from codegen.files.whole_files import whole_file
@@ -57,8 +56,8 @@ def source_hash(rooms: Iterable[str], leave_out: tuple[str, ...] = ()) -> str:
 
 @cache
 def generator_state() -> str:
-    """The compiler's sources, its version and that of SymPy, in one text."""
-    return f"{__version__} {version('sympy')} {source_hash(['codegen'], _WITHOUT_TEXTS)}"
+    """The version of SymPy and the hash of the compiler's sources."""
+    return f"{version('sympy')} {source_hash(['codegen'], _WITHOUT_TEXTS)}"
 
 
 def value_of(kind: str, name: str | Path) -> str | None:

@@ -12,6 +12,7 @@ import pytest
 import codegen
 from codegen import Model
 from codegen.errors import GeneratedFileError, ModelFileError
+from codegen.files.build_records import generator_state
 from codegen.files.generated_modules import import_generated
 from codegen.files.library_folders import find_model_file
 from runtime import load
@@ -90,7 +91,7 @@ def test_stale_or_missing_module_is_rebuilt(
     else:
         record = path.parent / "__pycache__" / f"{path.stem}.build.json"
         old, new = {
-            "generator": ("0.1.0 ", "0.1.0 of other sources "),
+            "generator": (generator_state(), "of other sources"),
             "source gone": ("models/rod_pendulum.py", "models/rod_pendulum_.py"),
             "text": ('["', '["f'),
         }[change]
