@@ -78,7 +78,7 @@ class Outcome(IntEnum):
     centre or a lock-up at this position.
     """
     NOT_FINITE = """
-    The accelerations are not finite.
+    The accelerations, a force or an output are not finite.
 
     Look in the effects for a division by zero, a root of a negative number, a spring whose ends
     coincide or a mass of zero; in motion laws, curves and effects for a table evaluated beyond

@@ -29,10 +29,10 @@ from runtime.core.arrays import (
     vector,
 )
 from runtime.core.jit import ADDRESSES, compiled, inner, unlocked
-from runtime.core.kinds import MIXED, OPEN, SLIDING
+from runtime.core.kinds import FRICTION, MIXED, OPEN, SLIDING
 from runtime.hybrid.filippov_shares import mix_reactions
 from runtime.hybrid.mode_consistency import count_sliding
-from runtime.hybrid.rest_forces import is_prescribed, set_unit
+from runtime.hybrid.rest_forces import is_prescribed, is_resting, set_unit
 from runtime.integrate.sampling import INTERVAL, WEIGHTS
 from runtime.integrate.wiring import Wiring, wire
 from runtime.linalg.vectors import largest_magnitude
@@ -287,6 +287,8 @@ def mix_rows(
                 force, limit = reaction[context.limits[2 * k]], reaction[context.limits[2 * k + 1]]
                 part = 0.5 * context.share_high[k] * force / limit
                 s.share[row, k] = 0.5 - part if limit > 0.0 else np.nan
+            if context.sticks[k] == FRICTION and is_resting(context, c):
+                s.share[row, k] = np.nan  # any would do
             if is_prescribed(context, k):
                 continue
             for i in range(len(lam)):

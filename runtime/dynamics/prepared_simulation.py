@@ -171,7 +171,7 @@ class PreparedSimulation:
         require_apart(mechanism, p, begin.t, begin.q, begin.v, least)
         waits = goes_on or any(row.reconnects for row in mechanism.description.watched)
         waits |= state is not None and state.scene == mechanism.description.scene
-        if begin.is_determined and not waits and not equations.velocity_rhs(begin.t, begin.q).any():
+        if begin.is_determined and not waits and equations.is_scleronomic:
             refuse_structure(mechanism)
 
     @property

@@ -2,8 +2,8 @@
 
 Inverse dynamics adds the forces and torques that the motion takes: the multipliers of the drivers
 produce it. A driver's reaction is what it exerts on the body that it moves. Rigid contacts, whose
-state is not decided here, and friction that does not slip, whose force the motion does not
-determine, are refused. Laws of the drivers may bend or jump at instants known beforehand.
+state is not decided here, are refused. Laws of the drivers may bend or jump at instants known
+beforehand.
 """
 
 import time as clock
@@ -24,6 +24,7 @@ from runtime.continuation.predictor_corrector import DrivenMotion
 from runtime.core.kinds import Direction
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.checks.end_checks import check_result
+from runtime.dynamics.checks.frictions_at_rest import name_held_frictions
 from runtime.dynamics.impulses import with_impulses
 from runtime.dynamics.motion_at_instants import Found, source_of
 from runtime.dynamics.output_quantities import evaluate
@@ -38,9 +39,10 @@ from runtime.results.assembled_state import Assembly
 from runtime.results.motion_at_instants import Motion
 from runtime.results.result import Result
 from runtime.results.run_records import Event
+from runtime.results.samples import Samples
 from runtime.validation.arguments import instants, parameter_values, require_masses
 from runtime.validation.finite_equations import name_left_tables
-from runtime.validation.scene_support import require_no_rigid, require_slip
+from runtime.validation.scene_support import require_no_rigid
 
 _DIRECTIONS = {"crossing": int(Direction.CROSSED), "lock-up": int(Direction.LOCKED)}
 
@@ -62,8 +64,10 @@ def kinematics(
     preferred = start_values(mechanism, guess, start).v
     motion, kinks = _follow_past_kinks(equations, times, begin, preferred, progress)
     samples = evaluate(equations, motion.t, motion.q, motion.v)
-    singular = np.flatnonzero(np.isnan(samples.a).any(axis=1))
     message = motion.message
+    if analysis == "kinematics":
+        message += _without_forces(equations, samples)
+    singular = np.flatnonzero(np.isnan(samples.a).any(axis=1))
     if len(singular) and motion.outcome is Outcome.OK:
         where = ", ".join(f"{samples.t[index]:.6g}" for index in singular[:5])
         message += (
@@ -87,9 +91,27 @@ def kinematics(
     )  # fmt: skip
     result._mechanism = mechanism
     result._motion = DrivenMotionAtInstants(mechanism, p, begin, preferred, times)
-    name_left_tables(result, equations, every=True)
+    name_left_tables(result, equations)
     check_result(result, equations, magnitudes(equations, begin.t, begin.q), Options(rtol=0.0))
     return result
+
+
+def _without_forces(equations: Equations, samples: Samples) -> str:
+    """A sentence on forces that are no numbers; accelerations then follow from the constraints."""
+    finite = np.isfinite(samples.reaction).all(axis=1) & np.isfinite(samples.power).all(axis=1)
+    lost = np.isnan(samples.a.sum(axis=1))
+    for k in np.flatnonzero(lost):
+        t, q, v = float(samples.t[k]), samples.q[k], samples.v[k]
+        if equations.motion(t, q, v, samples.modes[k] % 2)[2] == 0:
+            gamma, lost[k] = equations.acceleration_rhs(t, q, v), False
+            samples.a[k] = np.linalg.lstsq(equations.jacobian(t, q), gamma, rcond=None)[0]
+    without = samples.t[~finite & ~lost]
+    if not len(without):
+        return ""
+    return (
+        f" From t = {without[0]:.6g} s on forces and reactions are no numbers, of which kinematics "
+        "makes no use; inverse_dynamics names the effect."
+    )
 
 
 def inverse_dynamics(
@@ -103,7 +125,7 @@ def inverse_dynamics(
     require_masses(mechanism, p)
     options |= {"parameters": parameters, "analysis": "inverse dynamics"}
     result = kinematics(mechanism, t_eval, **options)
-    require_slip(mechanism, p, result.samples)
+    name_held_frictions(result, Equations(result._mechanism or mechanism, p))
     return result
 
 

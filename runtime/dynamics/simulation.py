@@ -37,6 +37,7 @@ from runtime.continuation.singular_position_messages import describe_crossings
 from runtime.core.kinds import KNOTS
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.checks.end_checks import check_result, describe_unresolved_switches
+from runtime.dynamics.checks.frictions_at_rest import name_held_frictions
 from runtime.dynamics.checks.jamming import describe_jam, end_at_jam
 from runtime.dynamics.checks.screening import screen_run
 from runtime.dynamics.formulations import Coordinates, ReducedCoordinates, formulate
@@ -217,6 +218,7 @@ def _result(
     elif run.index >= 0:
         subject = description.constraints[run.index].name
     result.site = run.site.of(subject)
+    name_held_frictions(result, equations)
     if run.outcome in _LEAVING:
         name_left_tables(result, equations)
     ending = run.stopped_by

@@ -287,11 +287,15 @@ def rests(context: Context, k: int) -> bool:
 
 @inner
 def keep_resting(context: Context, value: float) -> None:
-    """Replace the equations of functions that rest by x = `value`, in `solve_least`'s arrays."""
+    """Replace the equations of functions that rest by x = `value`, in `solve_least`'s arrays.
+
+    An unknown stiction force is zero there.
+    """
     count = context[ft.SLIDING_COUNT]
     for c in range(count):
         if is_resting(context, c):
-            context.right_side[c] = value
+            unknown = context.stiction_place[context.sliding_functions[c]] >= 0
+            context.right_side[c] = 0.0 if unknown else value
             for j in range(count):
                 context.response_copy[c * count + j] = 1.0 if j == c else 0.0
 

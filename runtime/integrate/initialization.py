@@ -14,9 +14,14 @@ from runtime.core.outcomes import Outcome, Site
 from runtime.core.state_derivative import evaluate_accelerations, write_derivative
 from runtime.core.workspace_rows import Y0, K, row_of, switch_row
 from runtime.hybrid.impact import ON_SURFACE
-from runtime.hybrid.mode_consistency import CONSISTENT, count_sliding
+from runtime.hybrid.mode_consistency import CONSISTENT, RESTS, count_sliding
 from runtime.hybrid.mode_transition import LOOK_AHEAD, log_event
-from runtime.hybrid.rest_forces import find_jamming_friction, is_unilateral, suspend_friction
+from runtime.hybrid.rest_forces import (
+    find_jamming_friction,
+    is_unilateral,
+    rests,
+    suspend_friction,
+)
 from runtime.hybrid.sliding_motion import STEP, evaluate_switching_and_rates
 from runtime.integrate.sampling import record
 from runtime.integrate.step_acceptance import LEAST_ERROR, copy_end
@@ -244,10 +249,23 @@ def follow_jumps(context: Context, t: float) -> bool:
 @inner
 def comes_to_rest(context: Context, k: int) -> bool:
     """Whether function `k` is at zero in Y0 and stays there: a drive that stops has no crossing."""
-    if context.rigid[k] >= 0 or context.sticks[k] != 0 or context.modes[k] == SLIDING:
+    if is_unilateral(context, k) or context.modes[k] == SLIDING:
         return False
     least, ahead = ON_SURFACE * context.largest[k], LOOK_AHEAD * run_record(context).h
     return bool(abs(context.g0[k]) <= least and abs(ahead * context.r0[k]) <= least)
+
+
+@inner
+def sets_off(context: Context, k: int) -> bool:
+    """Whether function `k`, which rests at zero in Y0, leaves it at a rate that is no rounding."""
+    if context.modes[k] != SLIDING or not rests(context, k):
+        return False
+    switching_rates_of(context)(
+        run_record(context).t, context.q0, context.v0, ws.velocity_rates(context, K),
+        context.parameters, context.response_rates,
+    )  # fmt: skip
+    moved = LOOK_AHEAD * run_record(context).h * context.response_rates[k]
+    return bool(abs(moved) > RESTS * context.reserve[k])
 
 
 @compiled(i8(ADDRESSES))
@@ -269,7 +287,8 @@ def start_anew(context: Context) -> int:
     for k in range(context[ft.SWITCHES]):
         evaluate_switching_and_rates(context, t, Y0, K, ws.G0)
         side = 1.0 if context.modes[k] != 0 else -1.0
-        if side * context.g0[k] < -context.band[k] or comes_to_rest(context, k):
+        turned = side * context.g0[k] < -context.band[k]
+        if turned or comes_to_rest(context, k) or sets_off(context, k):
             copy_end(context, 0, 1)
             ft.transition_of(context)(context, k, t, r.h)
             copy_end(context, 1, 0)

@@ -15,6 +15,7 @@ from runtime.core.loop_record import Plan, run_record
 from runtime.core.outcomes import Outcome, Site
 from runtime.core.workspace_rows import Y0, Y1
 from runtime.hybrid.events import INSTANT, UNRESOLVED
+from runtime.integrate.clocks import CLOCK
 from runtime.integrate.sampling import has_room
 from runtime.integrate.step import Signal, TrialStep, reject
 from runtime.integrate.step_acceptance import accept_step, end_at_event, judge_events
@@ -39,18 +40,25 @@ def is_at_kink(context: Context) -> bool:
     return False
 
 
+@inner
+def is_sample_due(context: Context) -> bool:
+    """Whether a clock renews values now, also in the last instant of the run."""
+    r = run_record(context)
+    return bool(r.sample_at <= r.t + CLOCK * abs(r.t))
+
+
 @addressed(ft.PART)
 def plan_step(context: Context) -> int:
     """Choose the end of the next step: the controller's, a plan's, a stop's, or that of the run."""
     r = run_record(context)
     t = r.t
-    if t >= r.t_end:
-        return Outcome.OK
-    if is_at_kink(context):
+    if t < r.t_end and is_at_kink(context):
         return Signal.KINK
-    if t >= r.sample_at:
+    if is_sample_due(context):
         signal = ft.renew_of(context)(context)
         return Signal.RETRY if signal == Signal.PROCEED else signal
+    if t >= r.t_end:
+        return Outcome.OK
     if (
         r.logged_events + 3 * context[ft.SWITCHES] > context[ft.EVENT_ROWS]
         or r.logged_repartitions + LOG_MARGIN > context[ft.LOG_ROWS]
@@ -193,8 +201,7 @@ def watch_events(context: Context) -> int:
 @inner
 def renew_when_due(context: Context) -> int:
     """Renew the sampled values that are due at the end of the step."""
-    r = run_record(context)
-    if r.t >= r.sample_at and r.t < r.t_end:
+    if is_sample_due(context):
         return int(ft.renew_of(context)(context))
     return Signal.PROCEED
 
@@ -227,6 +234,6 @@ def advance(context: Integers, budget: int) -> int:
         if not (signal == Signal.PROCEED or signal == Signal.RETRY):  # noqa: PLR1714
             return signal
     r = run_record(context)
-    if r.t >= r.t_end:
+    if r.t >= r.t_end and not is_sample_due(context):
         return Outcome.OK
     return Signal.GOING

@@ -192,7 +192,7 @@ def emit(context: Context, t: float, t1: float, h: float, dense_ready: int) -> i
         return sample_nodes(context, t, t1, h)
     while r.next_sample < context[ft.SAMPLE_TIMES] and t_eval[r.next_sample] <= t1:
         at = t_eval[r.next_sample]
-        if t1 >= r.sample_at and t1 < r.t_end and at >= t1 - CLOCK * abs(t1):
+        if t1 + CLOCK * abs(t1) >= r.sample_at and at >= t1 - CLOCK * abs(t1):
             break  # it has the values that are renewed now
         if at == t1:
             record(context, t1, Y1)

@@ -82,6 +82,13 @@ class Equations:
         """ν = -Φ_t, shape (m,)."""
         return _filled(self.m, self.kernels.velocity_rhs, t, q, self.p)
 
+    @property
+    def is_scleronomic(self) -> bool:
+        """Whether no constraint depends on time: ν has no operations, and is zero for any p."""
+        still = not dict(self.description.operations).get("velocity_rhs")
+        zeros, ones = np.zeros(self.n), np.ones(len(self.p))
+        return still and not _filled(self.m, self.kernels.velocity_rhs, 0.0, zeros, ones).any()
+
     def acceleration_rhs(self, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
         """γ, shape (m,)."""
         return _filled(self.m, self.kernels.acceleration_rhs, t, q, v, self.p)

@@ -143,8 +143,13 @@ class Description:
 
     @cached_property
     def boundaries(self) -> npt.NDArray[np.int64]:
-        """Of each switch what holds where its function stays at zero, a `Boundary`."""
-        return np.array(self._numbers_of_switches(Boundary), np.int64)
+        """Of each switch what holds where its function stays at zero, a `Boundary`.
+
+        Friction that neither slips nor keeps anything at rest exerts the mean of both directions.
+        """
+        numbers = zip(self.switches, self._numbers_of_switches(Boundary), strict=True)
+        balanced = int(Boundary.BALANCED)
+        return np.array([(row.sticks and balanced) | n for row, n in numbers], np.int64)
 
     @cached_property
     def table_parts(self) -> tuple[int, ...]:

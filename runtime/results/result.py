@@ -68,8 +68,9 @@ class Result(TimeSeries):
     works
         Work of effects and drivers since the start in J, by name, each (k,).
     not_unique
-        Joints and drivers whose reactions redundant constraints leave open; those of least norm are
-        given.
+        Joints, drivers and frictions whose forces the motion leaves open. Those of least norm are
+        given: where constraints are redundant, and of a friction that joints and drivers hold at
+        rest. That one's `share` is not a number at these instants, and the message has its bounds.
     singular
         The singular configurations that the run met, in order.
     accuracy

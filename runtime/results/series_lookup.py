@@ -172,7 +172,7 @@ class TimeSeries:
         Returns
         -------
         (k,) float64
-            From 0 to 1; not a number where the mode is 0 or 1.
+            From 0 to 1; not a number where the mode is 0 or 1, or any share would do.
         """
         return self._called("share", condition)
 

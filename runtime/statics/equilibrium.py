@@ -14,6 +14,7 @@ from codegen.readers.calls import checked_class
 from runtime.assembly.assemble import assemble
 from runtime.assembly.redundancy import redundancy_note, suited_equations
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.checks.finite_results import end_before_infinite
 from runtime.dynamics.output_quantities import evaluate
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism import Mechanism, Values
@@ -235,6 +236,7 @@ def equilibrium(
         message=message + redundancy_note(start), stats=stats, not_unique=start.not_unique,
     )  # fmt: skip
     result._mechanism = equations.mechanism
+    end_before_infinite(result, equations)
     name_left_tables(result, equations)
     return result
 

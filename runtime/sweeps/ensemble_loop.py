@@ -177,6 +177,9 @@ def finish_run(common: Any, own: Any, results: Any, run: int) -> bool:
         mix_rows(
             own.mixing_table, begin, common.diagonal, samples, own.p, own.masses, own.powers
         )  # fmt: skip
+    for array in (samples.a, samples.reaction, samples.power, samples.energy):
+        if not is_finite(array.ravel()):
+            return False
     unresolved = results.unresolved[run]
     unresolved[:, :] = 0.0
     if not is_beyond_doubt(common, own, samples, unresolved):

@@ -31,13 +31,19 @@ def describe_infinite(
     equations: Equations, t: float, q: FloatArray, v: FloatArray, modes: IntArray
 ) -> str:
     """Sentences on what is not finite at a state, or else soon after it; empty where all is."""
+    places = (
+        infinite_terms(equations, t + ahead, q + ahead * v, v, modes) for ahead in (0.0, *_AHEAD)
+    )
+    return next(filter(None, places), "")
+
+
+def infinite_terms(
+    equations: Equations, t: float, q: FloatArray, v: FloatArray, modes: IntArray
+) -> str:
+    """Sentences on the constraints and forces that are not finite at a state; empty for none."""
     modes = np.where(modes == SLIDING, 0, modes)
-    for ahead in (0.0, *_AHEAD):
-        state = t + ahead, q + ahead * v, v
-        found = [*_constraints(equations, *state), *_forces(equations, *state, modes)]
-        if found:
-            return " ".join(sentence[0].upper() + sentence[1:] for sentence in found)
-    return ""
+    found = [*_constraints(equations, t, q, v), *_forces(equations, t, q, v, modes)]
+    return " ".join(sentence[0].upper() + sentence[1:] for sentence in found)
 
 
 def _constraints(equations: Equations, t: float, q: FloatArray, v: FloatArray) -> Iterator[str]:
@@ -105,33 +111,31 @@ _NEAR = 1e-6  # safety: of a table's length; so near to its end a run that fails
 _SOON = 1e-7  # accuracy: of a second, or of the time; over which an argument is differenced
 
 
-def name_left_tables(result: Result, equations: Equations, every: bool = False) -> None:
-    """Let a result that ends where the motion leaves a table say so, by name and numbers.
-
-    Of a run that failed the last state is looked at, or, if asked, `every` state of any.
-    """
+def name_left_tables(result: Result, equations: Equations) -> None:
+    """Let a run that failed where the motion leaves a table say so, by name and numbers."""
     rows, samples = equations.description.table_ranges, result.samples
-    if not rows:
+    if not rows or result.outcome is Outcome.OK:
         return
     tables = [_Argument(row, equations.p, samples.q.shape[1]) for row in rows]
-    states = list(zip(samples.t.tolist(), samples.q, samples.v, strict=True))
-    for state in states if every else ():
-        if found := [one.sentence(*state) for one in tables if one.is_left(*state)]:
-            break
-    else:
-        state = states[-1]
-        if result.outcome is Outcome.OK:
-            return
-        found = [one.sentence(*state) for one in tables if one.is_leaving(*state)]
+    state = float(samples.t[-1]), samples.q[-1], samples.v[-1]
+    found = [one.sentence(*state) for one in tables if one.is_leaving(*state)]
     if found:
         result.outcome = Outcome.OUT_OF_RANGE
         sentences = " ".join(dict.fromkeys(found))
         result.message = f"Stopped at t = {state[0]:.9g} s. {sentences} {result.outcome.advice}"
 
 
-def left_tables(equations: Equations, t: float, q: FloatArray, v: FloatArray) -> str:
-    """Sentences on the tables beyond whose ends a state is; empty where it is inside of all."""
-    tables = [_Argument(row, equations.p, len(q)) for row in equations.description.table_ranges]
+def left_tables(
+    equations: Equations, t: float, q: FloatArray, v: FloatArray, of_motion: bool = False
+) -> str:
+    """Sentences on the tables beyond whose ends a state is; empty where it is inside of all.
+
+    If asked, those `of_motion` alone, which stand in joints and drivers.
+    """
+    description = equations.description
+    moving = {row.element for row in description.constraints}
+    rows = [row for row in description.table_ranges if row.name in moving or not of_motion]
+    tables = [_Argument(row, equations.p, len(q)) for row in rows]
     return " ".join(dict.fromkeys(one.sentence(t, q, v) for one in tables if one.is_left(t, q, v)))
 
 

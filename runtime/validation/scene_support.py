@@ -8,7 +8,6 @@ from codegen.errors import AnalysisError, InputError
 from runtime.core.arrays import Vector
 from runtime.mechanism.mechanism import Mechanism
 from runtime.results.assembled_state import Assembly
-from runtime.results.samples import Samples
 
 
 def require_motion(mechanism: Mechanism, question: str) -> None:
@@ -131,22 +130,3 @@ def require_no_sticking(mechanism: Mechanism, analysis: str) -> None:
             f"{', '.join(names)} sticks: the machine rests wherever the forces stay within it. "
             "Simulate to see where it comes to rest, or ask for a scene without the friction."
         )
-
-
-def require_slip(mechanism: Mechanism, p: Vector, samples: Samples) -> None:
-    """Refuse instants at which friction sticks, so that its force is not determined."""
-    description = mechanism.description
-    frictions = [k for k, row in enumerate(description.switches) if row.sticks]
-    if not frictions:
-        return
-    g, rate = np.zeros((2, len(description.switches)))
-    for t, q, v, a in zip(samples.t, samples.q, samples.v, samples.a, strict=True):
-        mechanism.kernels.switching(t, q, v, p, g)
-        mechanism.kernels.switching_rates(t, q, v, a, p, rate)
-        for k in frictions:
-            if g[k] == 0.0 and rate[k] == 0.0:
-                raise AnalysisError(
-                    f"{description.title}: at t = {t:g} s nothing slips in the friction "
-                    f"{description.switches[k].name}, nor begins to, so any force that it can bear "
-                    "would do. Ask for instants at which it slips, or leave the friction out."
-                )

@@ -108,16 +108,16 @@ def test_a_function_of_ones_own(servo: Callable[[str], Machine]) -> None:
 
     seen: list[float] = []
     r = servo("own").simulate(1.0, controllers={"u_own": control}, rtol=1e-10)
-    assert_allclose(calls, 0.01 * np.arange(100), atol=1e-12)
+    assert_allclose(calls, 0.01 * np.arange(101), atol=1e-12)
     phi = omega = 0.0
-    for u in seen:
+    for u in seen[:-1]:
         phi, omega = turn(phi, omega, u, 0.01)
     assert_allclose([r.q("arm.phi")[-1], r.v("arm.omega")[-1]], [phi, omega], atol=1e-9)
     # A run that is taken again does not ask again, since a function may have a memory.
     assert r.at(r.t[::-1]).samples.v.tolist() == r.samples.v[::-1].tolist()
-    assert len(calls) == 100
+    assert len(calls) == 101
     r.resume(1.2)
-    assert_allclose(calls, 0.01 * np.arange(120), atol=1e-12)
+    assert_allclose(calls, 0.01 * np.arange(121), atol=1e-12)
 
 
 def test_controllers_are_asked_for_by_name(servo: Callable[[str], Machine]) -> None:
@@ -171,16 +171,33 @@ def test_a_delay_that_is_a_parameter_of_value_0(counter: Callable[[str], Machine
 def test_a_sample_is_taken_once_where_a_run_starts_from_another(
     counter: Callable[[str], Machine], instants: list[float]
 ) -> None:
-    """At 0, 0.1 … 0.9 s the sum is renewed, whether a run stops within, at one or before one."""
+    """At 0, 0.1 … 1.0 s the sum is renewed, whether a run stops within, at one or before one."""
     machine = counter("counts")
     whole = machine.simulate(1.0, instants)
-    assert whole.y("count")[-1] == 10
+    assert whole.y("count")[-1] == 11
     for state in (whole.state(0.2), whole.state(0.3), whole.state(0.25), whole.state(0.0)):
-        assert machine.simulate(1.0, [1.0], start=state).y("count") == 10
+        assert machine.simulate(1.0, [1.0], start=state).y("count") == 11
     for end in (0.2, 0.3, 0.25):
         first = machine.simulate(end)
-        assert first.y("count")[-1] == np.ceil(10 * end - 1e-9)
-        assert machine.simulate(1.0, [1.0], start=first).y("count") == 10
+        assert first.y("count")[-1] == 1 + np.floor(10 * end + 1e-9)
+        assert machine.simulate(1.0, [1.0], start=first).y("count") == 11
+
+
+@pytest.mark.parametrize("end", [0.3, 0.7, 1.0])  # 3 periods of 0.1 s end behind 0.3 s
+@pytest.mark.parametrize("method", ["dop853", "bdf"])
+def test_the_last_row_is_that_of_a_longer_run(
+    counter: Callable[[str], Machine], tmp_path: Path, method: str, end: float
+) -> None:
+    machine = counter("counts")
+    short, longer = (machine.simulate(x, [end / 2, end], method=method) for x in (end, 2 * end))
+    assert short.y("count").tolist() == longer.y("count").tolist()
+    assert short.a("mass.x")[-1] == pytest.approx(longer.a("mass.x")[-1])
+    assert machine.simulate(end, "steps", method=method).y("count")[-1] == short.y("count")[-1]
+    kept = load_result(short.save(tmp_path / "short.nc"), machine)
+    further = machine.simulate(2 * end, [2 * end])
+    for one in short, kept:
+        assert one.at(end).y("count") == short.y("count")[-1]
+        assert one.resume(2 * end, [2 * end]).y("count") == further.y("count")
 
 
 @pytest.mark.parametrize("delay", [0.05, 0.33])
@@ -253,7 +270,7 @@ def test_ends_of_steps_show_renewed_values(lift: Machine) -> None:
 
 def test_the_end_of_a_run_is_where_another_starts(counter: Callable[[str], Machine]) -> None:
     whole = counter("counts").simulate(1.0, [0.5])
-    assert (whole.state().t, whole.state()["count"]) == (1.0, 10.0)
+    assert (whole.state().t, whole.state()["count"]) == (1.0, 11.0)
     assert counter("counts").simulate(2.0, start=whole).t[0] == 1.0
     assert whole.at(0.3).state().t == 0.3
 
@@ -264,7 +281,7 @@ def test_works_show_renewed_values_whoever_computes_them(counter: Callable[[str]
     own = counter("own").simulate(1.0, t, controllers=law, rtol=1e-11)
     compiled = counter("compiled").simulate(1.0, t, rtol=1e-11)
     assert_allclose(own.y("own"), compiled.y("compiled"), rtol=1e-12)
-    assert_allclose(own.y("own")[:-1], 1 + own.q("mass.x")[:-1], rtol=1e-12)
+    assert_allclose(own.y("own"), 1 + own.q("mass.x"), rtol=1e-12)
     assert_allclose(own.work("push_own"), compiled.work("push_compiled"), rtol=1e-9)
     assert_allclose(own.work("push_own"), own.v("mass.vx") ** 2 / 2, rtol=1e-9, atol=1e-12)
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from sympy import Expr, Piecewise, cos
 
 from codegen import Model, t
 from codegen.errors import AnalysisError, InputError, ModelError, ParameterError
@@ -161,6 +162,26 @@ def test_scene_with_nothing_left_to_integrate(folder: Path) -> None:
     machine = load(model, model.scene("clamped").without("rub"), folder=folder)
     with pytest.raises(AnalysisError, match="nothing is left to integrate: 3 constraints hold"):
         machine.simulate(1.0)
+
+
+@pytest.mark.parametrize(
+    "law", [0.1 * (1 - cos(2 * t)), t**3, Piecewise((0, t < 1), ((t - 1) ** 2, True))]
+)
+def test_a_law_in_a_constraint_moves_a_machine_that_it_begins_at_rest(
+    folder: Path, law: Expr
+) -> None:
+    model = Model("law_at_rest")
+    bead = model.particle("bead", mass=1.0)
+    model.constraint("law", bead.x - 0.3, bead.y - law)
+    model.scene("run")
+    machine = load(model, folder=folder)
+    at = [0.0, 0.5, 1.5, 2.0]
+    for r in machine.simulate(2.0, at), machine.inverse_dynamics(at), machine.kinematics(at):
+        assert not r.failed
+        assert r.q("bead.y") == pytest.approx([float(law.subs(t, x)) for x in at], abs=1e-9)
+    assert machine.simulate(0.5, [0.5]).resume(1.5, [1.5]).q("bead.y") == pytest.approx(
+        float(law.subs(t, 1.5)), abs=1e-9
+    )
 
 
 def test_driven_machine_says_that_nothing_was_integrated(folder: Path) -> None:

@@ -174,9 +174,21 @@ def test_inverse_dynamics_beyond_a_table_says_so(tmp_path: Path) -> None:
     law = model.table("load_curve", [0, 1, 2, 3], [0, 1, 0, 1])
     run = load(driven(law, model), folder=tmp_path).inverse_dynamics(np.linspace(0, 2, 21))
     assert run.outcome is Outcome.OUT_OF_RANGE
-    assert "Stopped at t = 1.6 s. Table 'load_curve' of 'load' is left at arm_phi" in run.message
-    assert "3.2: its points go from 0 to 3." in run.message
-    assert_allclose(-run.reaction("turn", "torque")[:15], [law.table(0.2 * k) for k in range(15)])
+    assert "end before t = 1.6 s, since from t = 1.5 s on there are none." in run.message
+    assert (
+        "Table 'load_curve' of 'load' is left at arm_phi = 3: its points go from 0" in run.message
+    )
+    assert_allclose(-run.reaction("turn", "torque"), [law.table(0.2 * k) for k in range(16)])
+
+
+def test_kinematics_asks_for_no_table_of_forces(tmp_path: Path) -> None:
+    model = Model("arm")
+    law = model.table("load_curve", [0, 1, 2, 3], [0, 1, 0, 1])
+    run = load(driven(law, model), folder=tmp_path).kinematics(np.linspace(0, 2, 21))
+    assert run.outcome is Outcome.OK
+    assert_allclose(run.q("arm.phi"), 2 * run.t)
+    assert_allclose(run.a("arm.phi"), 0.0, atol=1e-12)
+    assert "From t = 1.6 s on forces and reactions are no numbers" in run.message
 
 
 def test_constraint_that_leaves_its_table_says_so(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from runtime.core.kinds import SLIDING
 from runtime.core.outcomes import Outcome, Site
+from runtime.dynamics.checks.finite_results import end_before_infinite
 from runtime.dynamics.checks.screening import (
     APART,
     CLOSED,
@@ -46,6 +47,7 @@ def check_result(
     What is not suspected is not looked at. The `energy` of samples is judged where the run has not
     looked at all of it.
     """
+    end_before_infinite(result, equations)
     if result.outcome is not Outcome.OK:
         return
     samples, found = result.samples, ""

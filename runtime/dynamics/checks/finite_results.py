@@ -1,0 +1,90 @@
+"""Rows of a result that are no numbers: it ends before the first, and names what has none."""
+
+from contextlib import suppress
+
+import numpy as np
+
+from codegen.errors import AnalysisError
+from codegen.object_display import listed
+from runtime.core.outcomes import Outcome
+from runtime.mechanism.dense_equations import Equations, FloatArray, IntArray
+from runtime.results.result import Result
+from runtime.results.samples import Samples
+from runtime.validation.finite_equations import infinite_terms, left_tables
+
+_TURNS, _PARTS = 7, 32  # accuracy: of the time between two rows an instant is found to 3e-11
+
+
+def end_before_infinite(result: Result, equations: Equations) -> None:
+    """End a result that is OK before the first row without a number, or beyond a table's ends.
+
+    The outcome is NOT_FINITE or OUT_OF_RANGE; the message names the element and the instant.
+    Kinematics asks for no forces. Singular positions keep their rows, which `kinematics` names.
+    """
+    samples = result.samples
+    if result.outcome is not Outcome.OK:
+        return
+    row = _first_infinite(result, equations, samples)
+    if row == len(samples.t):
+        return
+    after, at, motion = samples.at([row]), float(samples.t[row]), result._motion
+    where = f"There are no results from the first instant on, t = {at:.9g} s."
+    if row > 0 and motion is not None:
+        where, low = f"The results end before t = {at:.9g} s", float(samples.t[row - 1])
+        with suppress(AnalysisError):  # the motion does not come so far
+            for _ in range(_TURNS):
+                found, _ = motion.at(result, np.linspace(low, at, _PARTS + 1))
+                k = _first_infinite(result, equations, found)
+                if not 0 < k <= _PARTS:
+                    break
+                (low, at), after = found.t[k - 1 : k + 1].tolist(), found.at([k])
+        where += f", since from t = {at:.9g} s on there are none."
+    kept = slice(max(row, 1))
+    result.samples = samples.at(kept)
+    result.works = {name: work[kept] for name, work in result.works.items()}
+    result.events = tuple(event for event in result.events if event.time <= at)
+    state, of_motion = _state(after, 0), result.analysis == "kinematics"
+    text, result.outcome = left_tables(equations, *state[:3], of_motion), Outcome.OUT_OF_RANGE
+    if text:
+        text += f" {result.outcome.advice}"
+    else:
+        text, result.outcome = infinite_terms(equations, *state), Outcome.NOT_FINITE
+    if not text:
+        names = [name for name, x in _series(result, after).items() if not np.isfinite(x[0])]
+        text = f"Not a finite number: {listed(names)}. {result.outcome.advice}"
+    result.message = f"{where} {text}"
+
+
+def _first_infinite(result: Result, equations: Equations, samples: Samples) -> int:
+    """The first row that is no number or beyond a table; so many as there are, where none is."""
+    of_motion = result.analysis == "kinematics"
+    tables = equations.description.table_ranges if result.analysis != "simulation" else ()
+    arrays = samples[1:4] if of_motion else samples[1:7]
+    if not tables and np.isfinite(sum(array.sum() for array in arrays)):
+        return len(samples.t)
+    sound = np.ones(len(samples.t), np.bool_)
+    for values in _series(result, samples).values():
+        sound &= np.isfinite(values)
+    for k in range(len(samples.t)):
+        state = _state(samples, k)
+        if tables and left_tables(equations, *state[:3], of_motion):
+            return k
+        if not sound[k]:
+            singular = np.isnan(samples.a[k]).all() and equations.motion(*state)[2] > 0
+            if not singular or infinite_terms(equations, *state):
+                return k
+    return len(samples.t)
+
+
+def _state(samples: Samples, k: int) -> tuple[float, FloatArray, FloatArray, IntArray]:
+    return float(samples.t[k]), samples.q[k], samples.v[k], samples.modes[k] % 2
+
+
+def _series(result: Result, samples: Samples) -> dict[str, FloatArray]:
+    """The series for which the analysis is asked, (k,) each, by name."""
+    found = dict[str, FloatArray]()
+    for row in result.description.series:
+        if row.array in ("qva" if result.analysis == "kinematics" else samples._fields):
+            values = getattr(samples, row.array)
+            found[row.name] = values.sum(axis=1) if row.column < 0 else values[:, row.column]
+    return found
