@@ -185,8 +185,9 @@ class Description:
     start: tuple[tuple[str, float, str], ...]
     time_functions: tuple[TimeProgram, ...]  # those that a run looks at before its first step
     table_ranges: tuple[RangeProgram, ...]  # of the tables that a motion may leave
-    # (element, kind, exponent) of each function of the position that may peak within a step
-    peaks: tuple[tuple[str, str, float], ...]
+    # (element, kind, exponent) of each function of the position that may peak within a step; of a
+    # kink the kind of place and the function besides
+    peaks: tuple[tuple[Any, ...], ...]
     # (element, sentence, least, whether that is too small, largest, count of numbers) of what is
     # asked of parameters, and (curve, whether it is convex) of profiles that depend on them
     conditions: tuple[tuple[Any, ...], ...]
@@ -251,7 +252,7 @@ def describe(
         start=start,
         time_functions=time_programs(equations),
         table_ranges=range_programs(equations),
-        peaks=tuple(peak[:3] for peak in peaks),
+        peaks=tuple((*peak[:3], *peak.place) for peak in peaks),
         conditions=tuple((*one.condition.row(one.element),) for one in equations.conditions),
         profiles=tuple((curve.element, curve.convex) for curve in equations.profiles),
         states=tuple(
