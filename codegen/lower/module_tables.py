@@ -189,9 +189,10 @@ class Description:
     # kink the kind of place and the function besides
     peaks: tuple[tuple[Any, ...], ...]
     # (element, sentence, least, whether that is too small, largest, count of numbers) of what is
-    # asked of parameters, and (curve, whether it is convex) of profiles that depend on them
+    # asked of parameters, and (curve, whether it is convex) of profiles that depend on them, with 1
+    # of one that touches the next from outside, -1 from inside
     conditions: tuple[tuple[Any, ...], ...]
-    profiles: tuple[tuple[str, bool], ...]
+    profiles: tuple[tuple[Any, ...], ...]
     # (name, column of its integral, unit, nominal size) of each state
     states: tuple[tuple[str, int, str, float], ...]
     sampled: tuple[str, ...]  # the states that a clock renews
@@ -254,7 +255,10 @@ def describe(
         table_ranges=range_programs(equations),
         peaks=tuple((*peak[:3], *peak.place) for peak in peaks),
         conditions=tuple((*one.condition.row(one.element),) for one in equations.conditions),
-        profiles=tuple((curve.element, curve.convex) for curve in equations.profiles),
+        profiles=tuple(
+            (curve.element, curve.convex, *filter(None, [curve.touches]))
+            for curve in equations.profiles
+        ),
         states=tuple(
             (s.name, scene.columns[s.integral], s.unit, s.nominal) for s in equations.states
         ),
