@@ -177,8 +177,9 @@ def finish_run(common: Any, own: Any, results: Any, run: int) -> bool:
         mix_rows(
             own.mixing_table, begin, common.diagonal, samples, own.p, own.masses, own.powers
         )  # fmt: skip
-    for array in (samples.a, samples.reaction, samples.power, samples.energy):
-        if not is_finite(array.ravel()):
+    for k in range(samples.t.size):
+        finite = is_finite(samples.a[k]) and is_finite(samples.reaction[k])
+        if not (finite and is_finite(samples.power[k]) and is_finite(samples.energy[k])):
             return False
     unresolved = results.unresolved[run]
     unresolved[:, :] = 0.0
