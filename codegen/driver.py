@@ -36,7 +36,7 @@ from codegen.generated_files.generated_file import (
     SceneReport,
     compile_modules,
 )
-from codegen.generated_files.provenance import default_folder, file_name, origin, record
+from codegen.generated_files.provenance import default_folder, generated_path, origin, record
 from codegen.lower.lowered_scene import Lowered, lower
 from codegen.model import Model
 from codegen.readers import arguments as readers
@@ -156,7 +156,7 @@ def _emit(
     unroll: Unroll | None, equations: Equations, lowered: Lowered, findings: Findings, clock: Clock,
 ) -> list[tuple[FileReport, str]]:  # fmt: skip
     """The file of a scene and its text, then those companions that are requested or exist."""
-    path = folder / file_name(file.stem, equations, settings)
+    path = generated_path(folder, file.stem, equations, settings)
     before: Any = unroll_of(path)
     how: Unroll = unroll or before
     with clock("emit"):

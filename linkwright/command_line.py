@@ -6,6 +6,7 @@ module of the library; it is there because model files may import what lies in i
 
 import os
 import sys
+from io import TextIOWrapper
 
 
 def main(name: str = "linkwright") -> None:
@@ -13,6 +14,9 @@ def main(name: str = "linkwright") -> None:
     from codegen.termination_signals import finish, take_over
 
     take_over()  # before anything that takes time
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # of a locale that may lack a letter of ours
+            stream.reconfigure(errors="backslashreplace")
     here = os.getcwd()  # noqa: PTH109 (no import)
     if here not in sys.path and not sys.flags.safe_path:
         sys.path.append(here)

@@ -12,7 +12,13 @@ from weakref import WeakSet
 
 from codegen.errors import SupersededError, UnwatchedWarning
 from codegen.files.build_records import unchanged
-from codegen.files.generated_modules import check_signature, read_generated, text_hash
+from codegen.files.generated_modules import (
+    check_signature,
+    read_generated,
+    scene_path,
+    shortened,
+    text_hash,
+)
 from codegen.files.library_folders import LIBRARY as _LIBRARY
 from codegen.files.library_folders import find_model_file, models_folder
 from codegen.garbage_collection import collection_paused
@@ -93,7 +99,7 @@ def _locate(model: str, folder: Path) -> tuple[Path, Path]:
 def _fresh_module(model: Path, generated: Path, scene: "str | Scene | None") -> tuple[Path, str]:
     """A generated module that agrees with the model file, and its hash; built if there is none."""
     name = scene if scene is not None else _first_scene(model, generated)
-    if isinstance(name, str) and (path := generated / f"{model.stem}__{name}.py").is_file():
+    if isinstance(name, str) and (path := scene_path(generated, model.stem, name)).is_file():
         text = read_generated(path)
         rebuild = f"linkwright build {model} --scene {name} --out {generated}"
         check_signature(path, text, rebuild)
@@ -130,7 +136,7 @@ def _build(model: "Path | Model", scene: "str | Scene | None", generated: Path) 
 
 def _first_scene(model: Path, generated: Path) -> str | None:
     """The first scene that the model declares, where a record of a build knows it, else None."""
-    for path in sorted(generated.glob(f"{escape(model.stem)}__*.py")):
+    for path in sorted(generated.glob(f"{escape(shortened(model.stem))}__*.py")):
         record = unchanged(path, None, model)
         if record is not None:
             return record.scenes[0]

@@ -16,6 +16,7 @@ from codegen.files.library_folders import LIBRARY
 from codegen.machine_code.compiled_functions import functions
 from codegen.termination_signals import take_over
 from runtime.core.jit import prepare, sources
+from runtime.core.kernel_abi import KERNELS, find_stand_in
 from runtime.integrate.method import GENERATED, METHODS, REGISTER, find_method
 from runtime.integrate.second_compiler import call_beside
 from runtime.processors import available_cores
@@ -61,6 +62,8 @@ def declared_functions(methods: tuple[str, ...]) -> list[Any]:
     for name in methods or METHODS:
         for one in filter(None, (REGISTER[name].begins_with, name)):
             find_method(one)
+    for name in KERNELS:
+        find_stand_in(name)
     return [function for function in functions if function.signature is not None]
 
 

@@ -7,6 +7,7 @@ same way in the user's file; nothing that is done with a kind asks who wrote it.
 import importlib
 import pkgutil
 import re
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
@@ -42,7 +43,7 @@ class Kind:
     @property
     def text(self) -> str:
         """The docstring of the class, without its indentation."""
-        return cleandoc(self.element.__doc__ or "")
+        return _docstring(self.element)
 
     @property
     def summary(self) -> str:
@@ -147,6 +148,12 @@ def _of_library(cls: type[Any]) -> bool:
     return str(getattr(cls, "__module__", "")).startswith(f"{LIBRARY}.")
 
 
+def _docstring(cls: type[Any]) -> str:
+    """What its author wrote; "" where dataclasses wrote one, or nobody."""
+    text = cls.__doc__ or ""
+    return "" if text.startswith(f"{cls.__name__}(") else cleandoc(text)
+
+
 def _problems(cls: type[Any]) -> list[str]:
     given: object = cls
     if not isinstance(given, type):
@@ -155,7 +162,7 @@ def _problems(cls: type[Any]) -> list[str]:
     if not isinstance(kind, str) or not WORDS.fullmatch(kind):
         return [f'{where}: its kind {shown(kind)} must be a few ASCII words: kind = "belt".']
     problems = []
-    if not (cls.__doc__ or "").strip() or str(cls.__doc__).startswith(f"{cls.__name__}("):
+    if not _docstring(cls) and sys.flags.optimize < 2:  # python -OO takes docstrings away
         problems.append(f"{where} has no docstring; say in one sentence what it holds or exerts.")
     own = _own_classes(cls)
     declared = {word for c in own for word in (*vars(c), *vars(c).get("__annotations__", ()))}

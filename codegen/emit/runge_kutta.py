@@ -42,7 +42,7 @@ def module_text(name: str, tableau: Tableau) -> str:
     lines = [
         f"# Generated from codegen/tableaus/{name}.py.",
         f"# Do not edit: change the tableau, then run {COMMAND}",
-        f'"""{tableau.about.strip()}',
+        f'"""{tableau.about.strip() if tableau.about else ""}',
         '"""',
         *IMPORTS.rstrip().split("\n"),
         *_step_control(tableau),

@@ -142,8 +142,7 @@ def _places(path: Path) -> Iterator[Path]:
     """Where a record may be: beside the machine code of the file."""
     name = f"{path.stem}.build.json"
     yield path.parent / "__pycache__" / name
-    from codegen.machine_code.code_folders import code_folder  # which loads numba
+    from codegen.machine_code.code_folders import code_folders  # which loads numba
 
-    folder = code_folder(path.parent)
-    if folder is not None and folder != path.parent / "__pycache__":
-        yield folder / name
+    folders = code_folders(path.parent)
+    yield from (folder / name for folder in folders if folder != path.parent / "__pycache__")

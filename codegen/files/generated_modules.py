@@ -8,6 +8,7 @@ import ast
 import contextlib
 import hashlib
 import importlib.util
+import os
 import re
 import sys
 from collections.abc import Iterator
@@ -22,6 +23,7 @@ from codegen.machine_code.file_lock import locked
 
 MARK = "# content-sha256: "
 UNSIGNED = "0" * 64
+_LONGEST = 100  # layout: bytes of a model's and of a scene's part of a file's name; disks take 255
 # in the header, in the form that a checkout has without an installation
 _REBUILD = re.compile(r"python -m codegen (\w+.*)")
 _UNROLL = re.compile(r"\bunroll(?:=['\"]| )(always|never)\b")  # in the header's command
@@ -29,6 +31,20 @@ _HEADER = 4000  # layout: characters of a generated file, in which its command s
 _SIGNATURE = re.compile(rf"^{MARK}([0-9a-f]{{64}})$", re.MULTILINE)
 _IMPORT = re.compile(r"^import numba$", re.MULTILINE)
 FIRST_KERNEL = re.compile(r"^(?:@|def )", re.MULTILINE)
+
+
+def scene_path(folder: Path, model: str, scene: str, tail: str = "") -> Path:
+    """The file ``model__scene.py`` of a scene."""
+    return folder / f"{shortened(model)}__{shortened(scene)}{tail}.py"
+
+
+def shortened(name: str) -> str:
+    """The part of a file's name for a model or a scene: of a long one the beginning and a hash."""
+    whole = os.fsencode(name)
+    if len(whole) <= _LONGEST:
+        return name
+    beginning = whole[: _LONGEST - 9].decode(errors="ignore")
+    return f"{beginning}_{hashlib.sha256(whole).hexdigest()[:8]}"
 
 
 def companion_path(path: Path, kind: str) -> Path:

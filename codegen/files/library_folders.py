@@ -15,6 +15,11 @@ from codegen.readers.values import one_line, shown
 LIBRARY = Path(__file__).resolve().parents[2]
 """The folder that holds the library's packages."""
 
+if not (LIBRARY / "codegen").is_dir():
+    raise ImportError(
+        f"Linkwright is imported from the archive {LIBRARY}, and needs folders: it compiles its "
+        "files, and keeps machine code beside them. Install it, with pip install, or unpack it."
+    )
 _IN_WHEELS = "runtime/generated"
 _LONGEST_PATH = 1000  # layout: characters of a path in a message
 

@@ -1,5 +1,6 @@
 """Generated files: the report of each, with its counts and times, writing and compiling them."""
 
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
@@ -140,8 +141,14 @@ def write_folder(
     """Write texts by name into a folder, those that are not there; unless `check`, write nothing.
 
     Files that match the pattern `others` and have no text count as stale, and are left alone.
-    Raises GeneratedFileError if the folder cannot be created or written.
+    Raises GeneratedFileError if the folder cannot be created or written, or if Python has taken
+    away the docstrings that such texts hold.
     """
+    if sys.flags.optimize > 1:
+        raise GeneratedFileError(
+            f"The files of {folder} hold docstrings of the source, which python -OO takes away. "
+            "Write them with python, without -OO and PYTHONOPTIMIZE=2."
+        )
     files = {folder / name: text for name, text in texts.items()}
     stale = [path for path, text in files.items() if not is_current(path, text)]
     for path in () if check else stale:

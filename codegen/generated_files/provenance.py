@@ -10,6 +10,7 @@ from codegen.derive.equations import Equations
 from codegen.emit.line_wrapping import literal
 from codegen.emit.module import Origin, Unroll
 from codegen.files.build_records import Input, Record, generator_state
+from codegen.files.generated_modules import scene_path
 from codegen.files.library_folders import LIBRARY, models_folder
 from codegen.model import Model
 from codegen.reading.model_file import ModelFile
@@ -23,13 +24,13 @@ def default_folder(file: ModelFile) -> Path:
     return (LIBRARY if ours else Path.cwd()) / "generated"
 
 
-def file_name(stem: str, equations: Equations, settings: Mapping[str, float]) -> str:
+def generated_path(
+    folder: Path, stem: str, equations: Equations, settings: Mapping[str, float]
+) -> Path:
     """``model__scene.py`` after the model file, with a tail for a build with other defaults."""
-    stem = f"{stem}__{equations.scene.name}"
-    if settings:
-        text = ",".join(f"{name}={literal(value)}" for name, value in sorted(settings.items()))
-        stem += f"__{hashlib.sha256(text.encode()).hexdigest()[:8]}"
-    return f"{stem}.py"
+    text = ",".join(f"{name}={literal(value)}" for name, value in sorted(settings.items()))
+    tail = f"__{hashlib.sha256(text.encode()).hexdigest()[:8]}" if settings else ""
+    return scene_path(folder, stem, equations.scene.name, tail)
 
 
 def record(file: ModelFile, model: Model, digest: str) -> Record:

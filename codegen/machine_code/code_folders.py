@@ -23,14 +23,16 @@ import llvmlite  # type: ignore[import-untyped]
 import numba
 from llvmlite import binding
 
+from codegen.machine_code.undocumented_names import PLAIN, UserProvidedCacheLocator
+
 _config: Any = numba.config  # which numba leaves untyped
 _llvm: Any = binding
 
 CHOSEN = str(_config.CACHE_DIR)
 """The folder that a user has chosen: NUMBA_CACHE_DIR."""
 
+_ELSEWHERE = {"NUMBA_CACHE_DIR", "NUMBA_NUM_THREADS", "NUMBA_THREADING_LAYER"}
 _KEPT = 4  # safety: states of one thing's sources whose machine code is kept, the newest
-_noted: set[Path] = set()  # folders with a note
 _deciding = threading.RLock()  # where numba keeps functions: all threads share its setting
 
 
@@ -55,11 +57,14 @@ def processor() -> tuple[str, str]:
 
 @cache
 def _surroundings() -> bytes:
-    """All but the sources on which machine code depends, this package included."""
+    """All but the sources on which machine code depends, this package included.
+
+    Neither does it depend on where code is kept, nor on how many threads of numba's there are.
+    """
     here = sorted(Path(__file__).parent.glob("*.py"))
     settings = sorted(
         item for item in os.environ.items()
-        if item[0].startswith("NUMBA_") and item[0] != "NUMBA_CACHE_DIR"
+        if item[0].startswith("NUMBA_") and item[0] not in _ELSEWHERE
     )  # fmt: skip
     versions = (sys.version, numba.__version__, llvmlite.__version__, platform.machine())
     facts = repr((versions, processor(), settings, os.environ.get("LINKWRIGHT_NUMBA")))
@@ -74,22 +79,34 @@ def name_of_state(sources: Iterable[bytes]) -> str:
     return digest.hexdigest()[:24]
 
 
-def code_folder(beside: Path) -> Path | None:
-    """The folder for machine code of the sources in a folder; None if none can be written.
+def code_folders(beside: Path, name: str = "") -> list[Path]:
+    """Folders for machine code of the sources in a folder, to be read in this order.
 
-    That is NUMBA_CACHE_DIR, or `__pycache__` beside the sources, or in the user's cache folder.
+    They are NUMBA_CACHE_DIR, or `__pycache__` beside the sources, and one in the user's cache
+    folder. The first that can be written is the last; others are there if they have `name`: an
+    administrator has compiled for all. Where none can be written, PLAIN has none at all.
     """
-    unique = unique_name(beside)
+    unique, found = unique_name(beside), list[Path]()
     places = [Path(CHOSEN) / unique] if CHOSEN else [beside / "__pycache__"]
     users = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or "~/.cache"
     for place in (*places, Path(users) / "linkwright" / unique):
-        with suppress(OSError, RuntimeError):  # read-only, or a user without a home
-            found = place.expanduser()
-            found.mkdir(parents=True, exist_ok=True)
-            tempfile.TemporaryFile(dir=found).close()
-            return found
-    note(beside, "kept nowhere, since no folder for it can be written")
-    return None
+        with suppress(OSError, RuntimeError):  # a user without a home, or a folder without access
+            folder = place.expanduser()
+            if is_writable(folder):
+                return [*found, folder]
+            if name and (folder / name).exists() and not PLAIN:
+                found.append(folder)
+    return found
+
+
+def is_writable(folder: Path) -> bool:
+    """Whether a folder is there, or can be made, and files can be written into it."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError:
+        return False
+    return True
 
 
 def unique_name(folder: Path) -> str:
@@ -109,15 +126,38 @@ def remove_older(folder: Path, pattern: str) -> None:
 def numba_keeps_in(folder: Path | None) -> Iterator[None]:
     """Within the block, functions that numba decorates are kept in this folder."""
     with _deciding:
-        before, _config.CACHE_DIR = _config.CACHE_DIR, str(folder or "")
+        before = _config.CACHE_DIR, _config.CACHE_LOCATOR_CLASSES
+        _config.CACHE_DIR = str(folder or "")
+        if not PLAIN:
+            _config.CACHE_LOCATOR_CLASSES = f"{__name__}.OwnFolder"
         try:
             yield
         finally:
-            _config.CACHE_DIR = before
+            _config.CACHE_DIR, _config.CACHE_LOCATOR_CLASSES = before
 
 
-def note(folder: Path, what: str) -> None:
-    """Warn, once for each folder."""
-    if folder not in _noted:
-        _noted.add(folder)
-        warnings.warn(f"{folder}: machine code is {what}.", CacheWarning, stacklevel=2)
+class OwnFolder(UserProvidedCacheLocator):  # type: ignore[misc]
+    """Numba's folder of a chosen name, which may be one that can be read alone."""
+
+    def ensure_cache_path(self) -> None:
+        """Make it, if that can be."""
+        with suppress(OSError):
+            Path(self.get_cache_path()).mkdir(parents=True, exist_ok=True)
+
+
+@cache
+def note_unkept() -> None:
+    """Say, once, that machine code is kept nowhere, and the remedy; no error, whatever the filters.
+
+    What was compiled is right, and runs.
+    """
+    text = (
+        "Machine code cannot be kept, so that each process compiles it again, for some 20 s: no "
+        "folder for it can be written, or its disk is full. Set the environment variable "
+        "NUMBA_CACHE_DIR to a folder that can be written, or have whoever installed Linkwright "
+        "run `linkwright precompile`, once for all users."
+    )
+    try:
+        warnings.warn(text, CacheWarning, stacklevel=2)
+    except CacheWarning:  # warnings are errors here
+        sys.stderr.write(f"note: {text}\n")

@@ -10,7 +10,7 @@ functions compile in different processes at the same time.
 
 import os
 import secrets
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from itertools import count
 from pathlib import Path
@@ -21,9 +21,9 @@ from numba import types
 
 from codegen.garbage_collection import collection_paused
 from codegen.machine_code.code_folders import (
-    code_folder,
+    code_folders,
     name_of_state,
-    note,
+    note_unkept,
     numba_keeps_in,
     remove_older,
 )
@@ -73,9 +73,12 @@ class CompiledFunction(Dispatcher):  # type: ignore[misc]
     ----------
     signature
         The only one that it gets; None for what compiles with its callers, as they call it.
+    can_be_kept
+        Whether there is a folder for its machine code, where one is wanted.
     """
 
     signature: Any = None
+    can_be_kept = True
 
     def prepare(self) -> None:
         """Compile or load it, unless it is."""
@@ -92,6 +95,8 @@ class CompiledFunction(Dispatcher):  # type: ignore[misc]
         file = getattr(self._cache, "_cache_file", None)
         alone = locked(Path(f"{file._index_path}.lock")) if file else nullcontext()
         waits = SignalDeferral(in_commands=False)
+        if not self.can_be_kept:
+            note_unkept()
         with global_compiler_lock, waits, alone, collection_paused(), separate_compilation():
             entry = super().compile(signature)
             give_interface(self)
@@ -153,30 +158,33 @@ class _Cache(FunctionCache):  # type: ignore[misc]
         with symbols_kept():
             try:
                 super().save_overload(signature, result)
-            except OSError as error:
-                why = f"not kept ({error.strerror or error}); each process compiles it again"
-                note(Path(self.cache_path), why)
+            except OSError:
+                note_unkept()
 
 
 def compiled_function(
-    function: Any, signature: Any, options: dict[str, Any], folder: Path | None = None,
-    from_python: bool = True,
+    function: Any, signature: Any, options: dict[str, Any],
+    folders: Sequence[Path] | None = None, from_python: bool = True,
 ) -> Any:  # fmt: skip
-    """A function that numba compiles with these options, and keeps in a folder, if there is one.
+    """A function that numba compiles with these options, and keeps in the last of these folders.
 
-    Without a signature it compiles with its callers.
+    From the others it is loaded if it is there. Without a signature it compiles with its callers,
+    without folders it is not kept.
     """
     if PLAIN:
         documented = {key: x for key, x in options.items() if key in _DOCUMENTED}
-        with numba_keeps_in(folder):
+        with numba_keeps_in(folders[-1] if folders else None):
             given = [] if signature is None else [signature]
-            return _numba.njit(*given, **documented, cache=folder is not None)(function)
+            return _numba.njit(*given, **documented, cache=bool(folders))(function)
     kind = CompiledFunction if from_python else AddressedFunction
     made = kind(function, targetoptions={"nopython": True, **options})
     made.signature = signature
-    if folder is not None:
+    made.can_be_kept = folders is None or bool(folders)
+    for folder in folders or ():
         with numba_keeps_in(folder), suppress(RuntimeError):  # its file is nowhere, or no folder
             made._cache = _Cache(function)
+            if Path(made._cache._cache_file._index_path).exists():
+                break
     functions.append(made)
     return made
 
@@ -184,18 +192,17 @@ def compiled_function(
 _DOCUMENTED = ("error_model", "fastmath", "nogil")
 
 
-def own_folder(beside: Path, sources: list[bytes]) -> Path | None:
-    """The folder for functions that are made from these sources; None if none can be written."""
-    folder = code_folder(beside)
-    if folder is None:
-        return None
-    own = folder / f"lw-{name_of_state(sources)}"
-    if own.exists():
-        with suppress(OSError):
-            os.utime(own)  # it is used
-    else:
-        remove_older(folder, "lw-*")
-    return own
+def own_folders(beside: Path, sources: list[bytes]) -> list[Path]:
+    """The folders for functions that are made from these sources, for `compiled_function`."""
+    name = f"lw-{name_of_state(sources)}"
+    folders = code_folders(beside, name)
+    for folder in folders:
+        if (folder / name).exists():
+            with suppress(OSError):
+                os.utime(folder / name)  # it is used
+        else:
+            remove_older(folder, "lw-*")
+    return [folder / name for folder in folders]
 
 
 def prepare(function: Any) -> None:

@@ -23,9 +23,9 @@ from numba.extending import typeof_impl
 
 from codegen.garbage_collection import collection_paused
 from codegen.machine_code.code_folders import (
-    code_folder,
+    code_folders,
     name_of_state,
-    note,
+    note_unkept,
     numba_keeps_in,
     processor,
     remove_older,
@@ -170,7 +170,9 @@ def execute(path: Path, text: str, names: dict[str, Any], run: Callable[[], obje
         with suppress(UntranslatableError, RecursionError):
             _compile(path, text, names)
             return
-    folder = code_folder(path.parent)
+    folder = next(iter(code_folders(path.parent)), None)
+    if folder is None:
+        note_unkept()
     names["numba"] = NumbaOfTexts(partial(_compile_by_numba, keeps=folder is not None))
     within = folder and folder / f"{path.stem}.{name_of_state([text.encode()])}"
     if folder and within and not within.exists():
@@ -200,21 +202,22 @@ def _compile(path: Path, text: str, names: Mapping[str, Any]) -> None:
 
 def _kept_code(path: Path, state: str, made: Callable[[], bytes]) -> bytes:
     """Machine code from the disk, or made and kept there."""
-    folder = code_folder(path.parent)
-    if folder is None:
-        return made()
-    file = folder / f"{path.stem}.{state}.lwo"
-    with suppress(OSError, zlib.error):  # there is none, or it was cut short
-        return zlib.decompress(file.read_bytes())
+    name = f"{path.stem}.{state}.lwo"
+    folders = code_folders(path.parent, name)
+    for folder in folders:
+        with suppress(OSError, zlib.error):  # there is none, or it was cut short
+            return zlib.decompress((folder / name).read_bytes())
     code = made()
     try:
-        with tempfile.TemporaryDirectory(dir=folder, prefix=".lw-") as place:
+        if not folders:
+            raise OSError
+        with tempfile.TemporaryDirectory(dir=folders[-1], prefix=".lw-") as place:
             whole = Path(place) / "code"
             whole.write_bytes(zlib.compress(code, 1))
-            whole.replace(file)
-        remove_older(folder, f"{path.stem}.*.lwo")
-    except OSError as error:
-        note(folder, f"not kept ({error.strerror or error}); each process compiles it again")
+            whole.replace(folders[-1] / name)
+        remove_older(folders[-1], f"{path.stem}.*.lwo")
+    except OSError:
+        note_unkept()
     return code
 
 

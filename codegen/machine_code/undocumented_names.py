@@ -10,7 +10,8 @@ import os
 from typing import Any, NamedTuple
 
 __all__ = ["PLAIN", "TABLE", "AttributeTemplate", "CodeLibrary", "CpuCodegen", "Dispatcher"]
-__all__ += ["FunctionCache", "FunctionIdentity", "event", "global_compiler_lock", "rtsys"]
+__all__ += ["FunctionCache", "FunctionIdentity", "UserProvidedCacheLocator", "event"]
+__all__ += ["global_compiler_lock", "rtsys"]
 
 PLAIN = os.environ.get("LINKWRIGHT_NUMBA") == "plain"
 """Whether numba is used as its documentation says."""
@@ -18,6 +19,7 @@ PLAIN = os.environ.get("LINKWRIGHT_NUMBA") == "plain"
 if PLAIN:
     Dispatcher: Any = object
     FunctionCache: Any = object
+    UserProvidedCacheLocator: Any = object
     CodeLibrary: Any = object
     AttributeTemplate: Any = object
     CpuCodegen: Any = None
@@ -28,7 +30,7 @@ if PLAIN:
 else:
     from numba.core import event
     from numba.core.bytecode import FunctionIdentity
-    from numba.core.caching import FunctionCache
+    from numba.core.caching import FunctionCache, UserProvidedCacheLocator
     from numba.core.codegen import JITCodeLibrary as CodeLibrary
     from numba.core.codegen import JITCPUCodegen as CpuCodegen
     from numba.core.compiler_lock import global_compiler_lock
@@ -72,6 +74,12 @@ TABLE = (
         "loading without numba's types of NumPy; a damaged file or a full disk is no error",
         "a quarter of the start of a process that compiles nothing",
         "slower starts; a file that was cut short ends a run",
+    ),
+    Name(
+        "numba.core.caching.UserProvidedCacheLocator: get_cache_path, ensure_cache_path",
+        "machine code that an administrator has compiled, in a folder that is only read",
+        "20 s of each process of a user who can write nowhere",
+        "numba reads no folder into which it cannot write",
     ),
     Name(
         "numba.core.runtime.rtsys: initialize",

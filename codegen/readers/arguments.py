@@ -214,6 +214,12 @@ def functions(example: str) -> Reader:
     return mapping(demand, text("a name"), function)
 
 
+NOT_TEXT = (
+    f"it is no text in {sys.getfilesystemencoding()}, in which Python reads names of files here; "
+    "rename it, or set the environment variable PYTHONUTF8=1"
+)
+
+
 def path(value: Any) -> Path:
     """A path: a text or an `os.PathLike` that the file system can have."""
     try:
@@ -226,7 +232,7 @@ def path(value: Any) -> Path:
         plain.encode()  # a name that cannot be decoded cannot be written into a file
         Path(plain).exists()
     except (OSError, UnicodeError) as error:
-        why = getattr(error, "strerror", None) or type(error).__name__
+        why = getattr(error, "strerror", None) or NOT_TEXT
         raise KindError(f"no file can have that path ({why}).") from error
     return Path(plain)
 

@@ -18,6 +18,7 @@ from codegen.files.build_records import Input
 from codegen.files.generated_modules import is_signed
 from codegen.files.library_folders import find_model_file
 from codegen.model import Model
+from codegen.readers.arguments import NOT_TEXT
 from codegen.readers.calls import sympy_remedy
 from codegen.readers.values import shown
 from codegen.reading.watched_inputs import Watch, is_local, is_local_code, unseen_requests, watched
@@ -102,7 +103,8 @@ def _read(path: Path) -> bytes:
 def _require_plain_name(path: Path) -> None:
     """Refuse a file whose name cannot become part of the names of generated modules."""
     odd = [c for c in path.stem if not c.isprintable() or c in "{}"]
-    odd = odd or [c for c in str(path) if "\ud800" <= c <= "\udfff"]
+    if any("\ud800" <= c <= "\udfff" for c in str(path)):
+        raise ModelFileError(f"no model file can be {shown(str(path))} ({NOT_TEXT}).")
     if odd:
         raise ModelFileError(
             f"{shown(str(path))}: the generated files are named after the model file, and "

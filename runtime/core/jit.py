@@ -24,7 +24,7 @@ from codegen.machine_code.compiled_functions import (
     address_of,
     compiled_function,
     is_kept,
-    own_folder,
+    own_folders,
     prepare,
 )
 from codegen.machine_code.table_values import ADDRESSES, function_at
@@ -111,8 +111,8 @@ def _made(
     function: F, signature: Any, options: dict[str, Any], from_python: bool = True,
     is_kept: bool = True,
 ) -> F:  # fmt: skip
-    folder = _FOLDER if is_kept else None
-    return cast(F, compiled_function(function, signature, options, folder, from_python))
+    folders = _FOLDERS if is_kept else None
+    return cast(F, compiled_function(function, signature, options, folders, from_python))
 
 
 def sources() -> dict[Path, bytes]:
@@ -136,4 +136,4 @@ _OF_CONSTANTS = (
     "results/samples.py",
     "sweeps/ensemble_arrays.py",
 )
-_FOLDER = own_folder(LIBRARY / "runtime", [*sources().values()])
+_FOLDERS = own_folders(LIBRARY / "runtime", [*sources().values()])

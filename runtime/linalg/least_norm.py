@@ -141,10 +141,7 @@ def solve_by_newton(
     for _ in range(ITERATIONS):
         if best <= ROUNDING:
             break
-        matrix = jacobian(x)
-        if not np.isfinite(matrix if isinstance(matrix, np.ndarray) else matrix.data).all():
-            break
-        trial = x + least_norm_solver(matrix)(-residual(x))
+        trial = x + least_norm_solver(jacobian(x))(-residual(x))
         largest = float(np.abs(residual(trial)).max(initial=0.0))
         if not largest < best:
             break

@@ -26,6 +26,7 @@ from codegen.files.generated_modules import (
     import_generated,
     loaded_text,
     read_generated,
+    scene_path,
     text_hash,
     unroll_of,
 )
@@ -276,7 +277,7 @@ def _built(mechanism: Mechanism, scene: str, joints: Set[str]) -> Mechanism:
     what = f"scene '{scene}', in which the run goes on,"
     origin = mechanism.need_origin(what)
     own = origin.path.stem.partition("__")[0]
-    place = origin.path.with_name(f"{own}__{scene}.py")
+    place = scene_path(origin.path.parent, own, scene)
     if isinstance(origin.model, Path):
         if superseded(origin.path, origin.digest, origin.model):
             raise SupersededError(

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from codegen.errors import InputError
 from runtime.mechanism.series_table import Series
 from runtime.results.result import Result
 
@@ -46,8 +47,22 @@ class Variables:
             self.coords[name] = dimension, np.array([*values], dtype=np.str_)
 
 
+def require_dask() -> None:
+    """InputError if Dask is installed and does not import, as without /proc: xarray needs it."""
+    try:
+        import dask  # noqa: F401
+    except ImportError:  # without which xarray does
+        pass
+    except Exception as error:  # of psutil's, of which it asks the number of processors
+        raise InputError(
+            f"xarray imports dask, which is installed and does not start here ({error}). Mount "
+            "/proc, or uninstall dask."
+        ) from error
+
+
 def dataset(result: Result) -> "xr.Dataset":
     """Label the series of a result; reactions that a joint does not have are not a number."""
+    require_dask()
     import xarray as xr
 
     found, description = Variables(result), result.description

@@ -21,7 +21,7 @@ from runtime.dynamics.simulation import simulate_joints
 from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.table_rows import unknown
 from runtime.progress_bar import Progress, silent
-from runtime.results.dataset import dataset
+from runtime.results.dataset import dataset, require_dask
 from runtime.results.result import Result
 from runtime.results.samples import Samples, empty_samples, require_memory, sample_bytes
 from runtime.sweeps.ensemble_arrays import (
@@ -62,6 +62,7 @@ def run_ensemble(
 ) -> "xr.Dataset":  # fmt: skip
     """One row a member; see `Machine.ensemble`. `options` are those of `simulate`."""
     members, title = read_members(mechanism, parameters, starts), f"{mechanism.title}: ensemble"
+    require_dask()
     if any(row.reconnects for row in mechanism.description.watched):
         raise InputError(
             f"{title}: joints come and go in this scene, and its runs do not have the same "

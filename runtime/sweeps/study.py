@@ -17,6 +17,7 @@ from codegen.readers.calls import checked_class, named_attributes
 from codegen.readers.values import KindError, shown
 from runtime.machine_facade import Machine
 from runtime.mechanism.table_rows import unknown
+from runtime.results.dataset import require_dask
 from runtime.sweeps.request import OK, Request, changed_programs, companion_texts, run_member
 from runtime.sweeps.store import LAST, MESSAGE, OUTCOME, RUN, open_store, stored_name
 
@@ -58,6 +59,7 @@ class Study:
     @cached_property
     def data(self) -> "xr.Dataset":
         """All runs as a dataset in memory, but for the kept series, which are read when used."""
+        require_dask()
         import xarray as xr
 
         try:

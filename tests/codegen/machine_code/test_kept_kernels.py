@@ -28,6 +28,7 @@ def scaled(x):
 
 @pytest.fixture
 def source(tmp_path: Path) -> Path:
+    code_folders.note_unkept.cache_clear()
     path = tmp_path / "scaled.py"
     path.write_text(TEXT.format(factor=2.0))
     return path
@@ -38,7 +39,6 @@ def answer(path: Path) -> float:
     for name in [name for name in sys.modules if name.startswith("linkwright_generated_")]:
         if sys.modules[name].__file__ == str(path):
             del sys.modules[name]
-    code_folders._noted.clear()
     return float(import_generated(path).scaled(1.0))
 
 
@@ -126,7 +126,7 @@ def test_a_full_disk_keeps_nothing_and_blocks_nothing(source: Path) -> None:
     limit, most = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, most))
     try:
-        with pytest.warns(CacheWarning, match=r"not kept \(File too large\)"):
+        with pytest.warns(CacheWarning, match="its disk is full. Set .*NUMBA_CACHE_DIR"):
             assert answer(source) == 3.0
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, most))
@@ -140,7 +140,7 @@ def test_a_text_that_numba_compiles_needs_no_folder(
     (source.parent / "__pycache__").write_text("no folder")
     source.write_text(TEXT.format(factor="len('xx')"))  # which is not translated
     monkeypatch.setenv("XDG_CACHE_HOME", str(source))
-    with pytest.warns(CacheWarning, match="kept nowhere"):
+    with pytest.warns(CacheWarning, match="cannot be kept"):
         assert answer(source) == 2.0
 
 
@@ -191,8 +191,34 @@ def test_a_folder_that_cannot_be_written_has_its_code_in_the_users_cache(
     assert answer(source) == 2.0
     assert len([*(tmp_path / "user").rglob("*.lwo")]) == 1
     monkeypatch.setenv("XDG_CACHE_HOME", str(source))  # which is a file, no folder
-    with pytest.warns(CacheWarning, match="kept nowhere"):
-        assert answer(source) == 2.0
+    with pytest.warns(CacheWarning, match="cannot be kept") as told:
+        assert [answer(source), answer(source)] == [2.0, 2.0]
+    assert len(told) == 1
+
+
+def test_a_warning_that_is_an_error_ends_nothing(
+    source: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (source.parent / "__pycache__").write_text("no folder")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(source))
+    assert answer(source) == 2.0  # warnings are errors in all tests
+    assert "linkwright precompile" in capsys.readouterr().err
+
+
+def test_code_that_can_only_be_read_is_read(
+    source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, translated: list[str]
+) -> None:
+    assert answer(source) == 2.0
+    usual = code_folders.is_writable
+    monkeypatch.setattr(
+        code_folders, "is_writable", lambda folder: folder.name != "__pycache__" and usual(folder)
+    )
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "user"))
+    assert answer(source) == 2.0
+    assert translated == ["scaled"]
+    source.write_text(TEXT.format(factor=3.0))  # which is kept where it can be
+    assert [answer(source), answer(source)] == [3.0, 3.0]
+    assert translated == ["scaled", "scaled"]
 
 
 PRINT = """
