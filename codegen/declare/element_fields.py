@@ -10,6 +10,7 @@ where a follower needs it.
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
+from functools import lru_cache
 from typing import Any, Literal, TypeVar, dataclass_transform
 
 import numpy as np
@@ -19,7 +20,15 @@ import sympy
 from codegen.declare.body import Curve
 from codegen.declare.element import Hold, OneWay, Rigid, Sticking
 from codegen.declare.symbols import Parameter, ParameterDeclaration, SignRule, alpha, kinds
-from codegen.parameter_conditions import ALPHAS, ConditionRow, shape_problems, violated_conditions
+from codegen.parameter_conditions import (
+    ALPHAS,
+    ConditionRow,
+    ProfileSamples,
+    profile_samples,
+    roller_problems,
+    shape_problems,
+    violated_conditions,
+)
 from codegen.readers.expressions import constant_value
 from codegen.tables.table_function import plain_function
 
@@ -166,7 +175,20 @@ def profile_problems(profile: sympy.Matrix, closed: bool, convex: bool) -> Itera
                 "round; write the line so that it goes one way, such as (1, alpha)."
             )
         return
-    yield from shape_problems(_sampled(derivatives(profile)), convex)
+    yield from shape_problems(_profile(derivatives(profile)), convex)
+
+
+def rolling_problems(
+    cam: sympy.Matrix, other: sympy.Matrix, inside: bool
+) -> Iterator[tuple[int, str]]:
+    """Where a roller, one of two sound curves, cuts into the other; see `roller_problems`."""
+    yield from roller_problems(_profile(derivatives(cam)), _profile(derivatives(other)), inside)
+
+
+@lru_cache(16)  # of the curves of a machine, which are looked at again in each of its scenes
+def _profile(expressions: tuple[sympy.Expr, ...]) -> ProfileSamples:
+    function = plain_function([alpha], expressions)
+    return profile_samples(lambda at: function([at]))
 
 
 def derivatives(profile: sympy.Matrix) -> tuple[sympy.Expr, ...]:

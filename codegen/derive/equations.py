@@ -23,6 +23,7 @@ from codegen.derive.parameter_conditions import (
     element_conditions,
     expressions_in,
     profiles_of,
+    touching,
 )
 from codegen.derive.scene_picture import ScenePicture, scene_picture
 from codegen.garbage_collection import collection_paused
@@ -299,11 +300,12 @@ def derive(model: "Model", scene: Scene) -> Equations:
     )
     if parameters and not scene.frozen:
         conditions, profiles = list[ElementCondition](), list[Profile]()
+        defaults = {Parameter(name, real=True): value for name, value in values.items()}
         for element in parts.acting:
             with errors_at(label(element)):
                 own = element_conditions(element, bodies)
                 conditions += carried(own, parameters, model.defaults)
-                profiles += profiles_of(element)
+                profiles += profiles_of(element, touching(element, scene, defaults))
         once = tuple(dict.fromkeys(conditions))
         equations = replace(equations, conditions=once, profiles=tuple(profiles))
     return equations.with_effects(effects)

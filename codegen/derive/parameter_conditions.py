@@ -1,6 +1,6 @@
 """What a scene asks of its parameters: conditions of its elements, tables' ranges, cams' shapes."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, is_dataclass
 from typing import cast
 
@@ -9,9 +9,16 @@ import sympy
 from codegen.declare.body import Bodies
 from codegen.declare.element import Constraint, Effect, Element, label
 from codegen.declare.element_fields import Condition, derivatives, hold_conditions
-from codegen.declare.returned_values import closed_curves, conditions_of, statement_of
-from codegen.declare.symbols import Parameter, ParameterDeclaration, alpha, kinds, t
+from codegen.declare.returned_values import (
+    closed_curves,
+    conditions_of,
+    own_coordinates,
+    statement_of,
+)
+from codegen.declare.scene import Scene
+from codegen.declare.symbols import Parameter, ParameterDeclaration, alpha, dotted, kinds, t
 from codegen.derive.effect_terms import effect_terms
+from codegen.elements.joints.cams import CamFollower
 from codegen.tables.table_function import Interpolant
 
 
@@ -31,6 +38,7 @@ class Profile:
     # x, y and their first and second derivatives by α, which t stands for
     derivatives: tuple[sympy.Expr, ...]
     convex: bool
+    touches: int = 0  # 1: it touches the next curve from outside, -1: from inside
 
 
 def expressions_in(part: object) -> Iterator[sympy.Basic]:
@@ -77,12 +85,30 @@ def _ranges(lookups: list[Interpolant]) -> Iterator[Condition]:
             yield Condition(text, (at,), low, False, high)
 
 
-def profiles_of(element: Element) -> Iterator[Profile]:
-    """The closed curves of a joint whose shape depends on parameters."""
-    for where, curve, convex in closed_curves(element):
-        shape = derivatives(curve.at(alpha))
-        if any(kinds(e, Parameter) for e in shape):
-            yield Profile(where, tuple(e.subs(alpha, t) for e in shape), convex)
+def touching(element: Element, scene: Scene, parameters: Mapping[sympy.Symbol, float]) -> int:
+    """Whether two profiles touch from outside, 1, or inside, -1; 0: none do in such an element.
+
+    From outside, unless the scene gives both parameters of another contact.
+    """
+    if not isinstance(element, CamFollower):
+        return 0
+    given, own = dict((*scene.guess, *scene.start)), own_coordinates(element)
+    if not all(dotted(q) in given for q in own):
+        return 1
+    coordinates = (*own, *(q for body in element.bodies for q in body.coordinates))
+    places = {q: given.get(dotted(q), q.measure.neutral) for q in coordinates}
+    return -1 if element.touches_inside({**parameters, **places}) else 1
+
+
+def profiles_of(element: Element, touches: int) -> Iterator[Profile]:
+    """The closed curves of a joint whose shape depends on parameters; both where they touch."""
+    rows = [(where, derivatives(curve.at(alpha)), convex)
+            for where, curve, convex in closed_curves(element)]  # fmt: skip
+    depend = [any(kinds(e, Parameter) for e in shape) for _, shape, _ in rows]
+    for k, (where, shape, convex) in enumerate(rows):
+        if depend[k] or (touches and any(depend)):
+            touched = touches if k == 0 else 0
+            yield Profile(where, tuple(e.subs(alpha, t) for e in shape), convex, touched)
 
 
 def carried(

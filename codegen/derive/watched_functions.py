@@ -33,7 +33,7 @@ from codegen.derive.piecewise_conditions import (
     switching_function,
 )
 from codegen.derive.switching_functions import Switch, find_switch, rate
-from codegen.readers.expressions import powers_with_number_outside
+from codegen.readers.expressions import distinct_nodes, powers_with_number_outside
 from codegen.tables.table_function import Interpolant
 from codegen.tables.time_pieces import TimePieces
 
@@ -154,8 +154,9 @@ def _parts(expression: sympy.Basic) -> Iterator[sympy.Expr]:
             stack += node.args[::-1]
 
 
-Kind = Literal["exponential", "step", "power"]
+Kind = Literal["exponential", "step", "power", "kink"]
 
+_ROOT = -0.5  # formula: exponent of the slope of a root
 _STEPS = (sympy.tanh, sympy.atan)
 _PARTS_OF_STEPS = (sympy.cosh, sympy.sinh)  # below a fraction's line
 _FUNCTIONS = (sympy.Pow, sympy.log, *_STEPS, *_PARTS_OF_STEPS, sympy.exp)  # that may peak
@@ -165,13 +166,15 @@ _HIGH = 16  # measured: (1 - x²)^8 has a width of 0.3, which the error of a ste
 class PeakedFunction(NamedTuple):
     """A function that may peak where the motion takes its argument u to an extremum, or to zero.
 
-    It is e^u, a "step" such as tanh u, or |u|^exponent.
+    It is e^u, a "step" such as tanh u, or |u|^exponent. A "kink" is a place u = 0 at which the
+    equation of a joint or driver is not smooth, with the kind of place and the function in words.
     """
 
     element: str
     kind: Kind
     exponent: float  # of a power, else 0
     argument: sympy.Expr
+    place: tuple[str, ...] = ()  # of a kink
 
 
 def peaked_functions(equations: Equations) -> tuple[PeakedFunction, ...]:
@@ -186,6 +189,45 @@ def peaked_functions(equations: Equations) -> tuple[PeakedFunction, ...]:
             if known is None or abs(known.exponent) < abs(function.exponent):
                 found[key] = function
     return tuple(found.values())
+
+
+_KINKED = (sympy.Pow, sympy.asin, sympy.acos, sympy.atan2)
+
+
+def kinks(equations: Equations) -> Iterator[PeakedFunction]:
+    """The places at which equations of joints and drivers are not smooth, each once.
+
+    Roots at 0, asin and acos at the ends of their range, atan2 at its cut and at its origin.
+    """
+    found = dict[sympy.Expr, None]()
+    for constraint in equations.constraints:
+        bindings = constraint.statement.bindings
+        if not any(e.has(*_KINKED) for e in (*constraint.terms.phi, *bindings.values())):
+            continue
+        for phi in (phi.xreplace(bindings) for phi in constraint.terms.phi):
+            for node in distinct_nodes(phi):
+                for argument, kind in _kinks_of(node, phi) if node.has(Coordinate) else ():
+                    if argument not in found and not argument.is_positive:
+                        found[argument] = None
+                        place = kind, str(node)
+                        yield PeakedFunction(constraint.name, "kink", _ROOT, argument, place)
+
+
+def _kinks_of(node: sympy.Basic, phi: sympy.Expr) -> Iterator[tuple[sympy.Expr, str]]:
+    """What vanishes where a node of Φ is not smooth, and the kind of that place."""
+    half = sympy.Rational(1, 2)
+    if isinstance(node, sympy.Pow) and node.exp.is_number and 0 < node.exp < 1:
+        if not node.base.is_nonnegative or node.exp < half:
+            yield node.base, "steep"
+        elif node.exp == half:  # of s², where s goes through 0: |s|; others have no jump of a slope
+            yield node.base, "root"
+    elif isinstance(node, sympy.asin | sympy.acos):
+        yield 1 - node.args[0] ** 2, "end"
+    elif isinstance(node, sympy.atan2):
+        y, x = node.args
+        if phi.xreplace({node: node + 2 * sympy.pi}) != phi:  # else turns do not count
+            yield sympy.cos(node / 2) ** 2, "cut"
+        yield x**2 + y**2, "origin"
 
 
 def _functions(element: str, expression: sympy.Basic) -> Iterator[PeakedFunction]:

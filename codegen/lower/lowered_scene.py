@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from codegen.derive.equations import Equations, tracked_points
-from codegen.derive.watched_functions import PeakedFunction, peaked_functions
+from codegen.derive.watched_functions import PeakedFunction, kinks, peaked_functions
 from codegen.garbage_collection import collection_paused
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.differentiation.derivative_along_motion import Direction
@@ -159,6 +159,7 @@ def lower(equations: Equations) -> Lowered:
         kernels += _switching_kernels(scene, resting)
         kernels += hold_kernels(scene, reported)
     peaks = peaked_functions(equations) if equations.mass and selection.moves else ()
+    peaks = (*peaks, *kinks(equations))
     if peaks:
         kernels.append(peak_arguments(scene, peaks))
     kernels += [*condition_kernels(scene), *sampling_kernels(scene), *watching_kernels(scene)]

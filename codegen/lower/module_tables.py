@@ -185,12 +185,14 @@ class Description:
     start: tuple[tuple[str, float, str], ...]
     time_functions: tuple[TimeProgram, ...]  # those that a run looks at before its first step
     table_ranges: tuple[RangeProgram, ...]  # of the tables that a motion may leave
-    # (element, kind, exponent) of each function of the position that may peak within a step
-    peaks: tuple[tuple[str, str, float], ...]
+    # (element, kind, exponent) of each function of the position that may peak within a step; of a
+    # kink the kind of place and the function besides
+    peaks: tuple[tuple[Any, ...], ...]
     # (element, sentence, least, whether that is too small, largest, count of numbers) of what is
-    # asked of parameters, and (curve, whether it is convex) of profiles that depend on them
+    # asked of parameters, and (curve, whether it is convex) of profiles that depend on them, with 1
+    # of one that touches the next from outside, -1 from inside
     conditions: tuple[tuple[Any, ...], ...]
-    profiles: tuple[tuple[str, bool], ...]
+    profiles: tuple[tuple[Any, ...], ...]
     # (name, column of its integral, unit, nominal size) of each state
     states: tuple[tuple[str, int, str, float], ...]
     sampled: tuple[str, ...]  # the states that a clock renews
@@ -251,9 +253,12 @@ def describe(
         start=start,
         time_functions=time_programs(equations),
         table_ranges=range_programs(equations),
-        peaks=tuple(peak[:3] for peak in peaks),
+        peaks=tuple((*peak[:3], *peak.place) for peak in peaks),
         conditions=tuple((*one.condition.row(one.element),) for one in equations.conditions),
-        profiles=tuple((curve.element, curve.convex) for curve in equations.profiles),
+        profiles=tuple(
+            (curve.element, curve.convex, *filter(None, [curve.touches]))
+            for curve in equations.profiles
+        ),
         states=tuple(
             (s.name, scene.columns[s.integral], s.unit, s.nominal) for s in equations.states
         ),

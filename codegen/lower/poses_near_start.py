@@ -180,6 +180,8 @@ def is_finite(jacobian: Any) -> bool:
 
 
 def _least_norm(matrix: Any, right: Array, rcond: float) -> Array:
+    if not is_finite(matrix):
+        return np.zeros(matrix.shape[1])
     if isinstance(matrix, np.ndarray):
         return np.asarray(np.linalg.lstsq(matrix, right, rcond=rcond)[0], np.float64)
     return least_norm(matrix, right)

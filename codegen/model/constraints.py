@@ -221,7 +221,11 @@ class Constraints(Declarations):
         """Points `i` and `j` keep the distance `value`, m; either may be on the ground."""
 
     def constraint(self, name: str, *phi: Any) -> Constraint:
-        """Plain equations: each expression of coordinates, parameters and t is kept at zero."""
+        """Plain equations: each expression of coordinates, parameters and t is kept at zero.
+
+        They are smooth in the coordinates. A motion that comes to a root at 0, to an end of asin or
+        acos, or to the cut of atan2 ends there by name.
+        """
         equations = tuple(self._value(e, "", f"constraint '{name}'") for e in phi)
         return self._declare(ExpressionConstraint(name, equations, self._bodies_in(*equations)))
 

@@ -86,10 +86,10 @@ def _irregular_start(
         raise _why_open(task, start, closing.q, drivers)
     q = closing.q
     _require_resolved_angles(description, t, q)
+    require_finite(equations, t, q, np.zeros_like(start.v))
     findings = redundancy.find_redundancy(task, q, drivers, start.v)
     if any(drivers[row] for row, _ in findings.lasting):
         raise _redundancy(description, findings.lasting, findings.rank, "consistent")
-    require_finite(equations, t, q, np.zeros_like(start.v))
     v = _velocities(task, start, q)
     if findings.lasting:
         findings = findings._replace(undetermined=redundancy.undetermined_rows(task, q))
@@ -176,6 +176,7 @@ def _contradiction(
 
 def _why_open(task: Task, start: Start, q: FloatArray, drivers: BoolArray) -> AssemblyError:
     """The error of joints that do not close; q is where they come nearest to it."""
+    require_finite(task.equations, task.t, q, np.zeros_like(q))
     description, phi = task.equations.description, task.equations.constraints(task.t, q)
     doubled = redundancy.dependent_joints(task, q, drivers)
     if doubled:

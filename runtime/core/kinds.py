@@ -83,7 +83,8 @@ class PeakKind(IntEnum):
     EXPONENTIAL = 0  # e^u
     STEP = 1  # tanh u and the like, with all its change about u = 0
     POWER = 2  # |u|^exponent
+    KINK = 3  # the same, of a place that a motion does not go through
 
 
 # Compiled code reads integers of a module.
-EXPONENTIAL, STEP, POWER = map(int, PeakKind)
+EXPONENTIAL, STEP, POWER, KINK = map(int, PeakKind)

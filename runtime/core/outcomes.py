@@ -184,6 +184,7 @@ class Site(IntEnum):
     LOCK_UP = "_end_at_lock_up: drivers ask for ever more speed"
     JAM = "end_at_jam: friction or contacts that lock up or jam"
     SHORTEST_STEP = "plan_step: the shortest step was rejected"
+    KINK = "try_step: a place where the equation of a constraint is not smooth"
     ENDLESS_STEPS = "is_endless: ever shorter steps"
     STANDING = "stay: events in a row without time between them"
     CROWDED_MODES = "judge_events: no consistent modes after ever denser events"

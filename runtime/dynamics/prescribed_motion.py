@@ -25,6 +25,7 @@ from runtime.core.kinds import Direction
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.checks.end_checks import check_result
 from runtime.dynamics.checks.frictions_at_rest import name_held_frictions
+from runtime.dynamics.checks.kinks import end_motion_at_kink
 from runtime.dynamics.impulses import with_impulses
 from runtime.dynamics.motion_at_instants import Found, source_of
 from runtime.dynamics.output_quantities import evaluate
@@ -63,6 +64,9 @@ def kinematics(
     equations = suited_equations(equations, begin)
     preferred = start_values(mechanism, guess, start).v
     motion, kinks = _follow_past_kinks(equations, times, begin, preferred, progress)
+    motion = end_motion_at_kink(
+        equations, begin, motion, lambda times: follow(equations, times, begin, preferred, silent)
+    )
     samples = evaluate(equations, motion.t, motion.q, motion.v)
     message = motion.message
     if analysis == "kinematics":

@@ -35,10 +35,11 @@ from codegen.object_display import counted
 from runtime.assembly.redundancy import redundancy_note
 from runtime.continuation.singular_position_messages import describe_crossings
 from runtime.core.kinds import KNOTS
-from runtime.core.outcomes import Outcome
+from runtime.core.outcomes import Outcome, Site
 from runtime.dynamics.checks.end_checks import check_result, describe_unresolved_switches
 from runtime.dynamics.checks.frictions_at_rest import name_held_frictions
 from runtime.dynamics.checks.jamming import describe_jam, end_at_jam
+from runtime.dynamics.checks.kinks import end_at_kink
 from runtime.dynamics.checks.screening import screen_run
 from runtime.dynamics.formulations import Coordinates, ReducedCoordinates, formulate
 from runtime.dynamics.impulses import with_impulses
@@ -70,6 +71,9 @@ _LEAVING = {
     *(Outcome.OUT_OF_RANGE, Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL, Outcome.NEWTON_FAILED),
     *(Outcome.INCONSISTENT, Outcome.SINGULAR, Outcome.DISCONTINUOUS),
 }
+
+# Ends of a run that tries to go where an equation or a force has no number.
+_OF_NO_NUMBER = {Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL, Outcome.NEWTON_FAILED}
 
 
 def simulate_joints(
@@ -131,6 +135,7 @@ def run_prepared(
     works = works and bool(equations.description.work_rows)
     if works or run is None:
         run = ready.run(coordinates, replace(options, quadrature=works), progress)
+    run = end_at_kink(equations, run, ready.t_end - begin.t)
     run = end_at_jam(equations, run, ready.t_end - begin.t)
     result = _result(equations, run, ready, began, samples)
     result._mechanism = equations.mechanism
@@ -142,12 +147,14 @@ def run_prepared(
     suspicions = screen_run(equations, result.samples, ready.sizes, options, run)
     reduced = isinstance(coordinates, ReducedCoordinates)
     check_result(result, equations, ready.sizes, options, run, suspicions, energy=energy or reduced)
-    contradicted = repeats and result.outcome is Outcome.CONTRADICTED
-    if contradicted and isinstance(coordinates, ReducedCoordinates):
+    astray = run.site is Site.KINK and run.outcome is Outcome.NOT_FINITE
+    again = repeats and (result.outcome is Outcome.CONTRADICTED or astray)
+    if again and isinstance(coordinates, ReducedCoordinates):
         whole = coordinates.cartesian(options.method)
-        again = run_prepared(whole, options, began, progress, works=works, energy=True)
-        note_repetition(again, result.contradiction)
-        return again
+        repetition = run_prepared(whole, options, began, progress, works=works, energy=True)
+        why = "Its velocities are inaccurate where a slope grows." if astray else ""
+        note_repetition(repetition, result.contradiction or why)
+        return repetition
     count, note = describe_unresolved_switches(equations, run.events, suspicions)
     result.stats["events_within_tolerance"] = count
     if run.crossings:
@@ -291,11 +298,11 @@ def _message(equations: Equations, run: Trajectory) -> str:
     elif run.index >= 0:
         row = description.constraints[run.index]
         where = f", {'driver' if row.element in description.drivers else 'joint'} {row.name}"
-    of_time = run.outcome is Outcome.ZENO and run.index < 0  # of which the note says all
-    if of_time and run.note:
+    all_said = (run.outcome is Outcome.ZENO and run.index < 0) or run.site is Site.KINK
+    if all_said and run.note:
         return f"Stopped at t = {run.final_t:.9g} s{where}. {run.note}"
     reason = describe_jam(equations, run)
-    if not reason and run.outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL):
+    if not reason and run.outcome in _OF_NO_NUMBER:
         reason = describe_infinite(equations, *run.end, run.final_modes)
     if reason:
         return f"Stopped at t = {run.final_t:.9g} s{where}. {reason}"

@@ -27,7 +27,7 @@ from runtime.core import workspace_rows as ws
 from runtime.core.arrays import Context, Vector, view
 from runtime.core.jit import addressed, inner
 from runtime.core.kernel_abi import peak_arguments_of
-from runtime.core.kinds import EXPONENTIAL, POWER, STEP
+from runtime.core.kinds import EXPONENTIAL, KINK, POWER, STEP
 from runtime.core.loop_record import run_record
 from runtime.hybrid.events import X1, X2, X3, cubic, write_motion_between
 
@@ -74,7 +74,7 @@ def evaluate_between(context: Context, t: float, h: float) -> None:
 def height(kind: int, exponent: float, u: float) -> float:
     """Logarithm of a function's value; of a step, of its slope."""
     size = abs(u)
-    if kind != POWER:
+    if kind < POWER:
         return u if kind == EXPONENTIAL else -2.0 * size
     if size == 0.0:
         return math.copysign(math.inf, -exponent)
@@ -122,11 +122,11 @@ def may_peak(context: Context, h: float) -> bool:
         u0, u1 = rows[_U0, k], rows[_U1, k]
         apart = abs(u1 - u0) + h * (abs(rows[_R0, k]) + abs(rows[_R1, k]))
         least = min(abs(u0), abs(u1))
-        if kind == POWER and max(2.0, abs(exponent)) * apart <= _SLOW * least:
+        if kind >= POWER and max(2.0, abs(exponent)) * apart <= _SLOW * least:
             continue  # it rises by 1.4 times that at most
         ends = max(height(kind, exponent, u0), height(kind, exponent, u1))
         top = largest_height(kind, exponent, min(u0, u1) - apart, max(u0, u1) + apart)
-        if top - ends > _RISE and (kind == POWER or top > _NEGLIGIBLE):
+        if top - ends > _RISE and (kind >= POWER or top > _NEGLIGIBLE):
             return True
     return False
 
@@ -175,7 +175,7 @@ def resolved_part_for(context: Context, k: int, h: float) -> float:
     apart = _TRUSTED * difference
     ends = max(height(kind, exponent, u0), height(kind, exponent, u1))
     top = largest_height(kind, exponent, low - apart, high + apart)
-    if not top - ends > _RISE or (kind != POWER and top < _NEGLIGIBLE):
+    if not top - ends > _RISE or (kind < POWER and top < _NEGLIGIBLE):
         return 1.0
     least = _POLE * max(abs(u0), abs(u1))
     if kind == POWER and exponent < 0.0 and low < least and high > -least:
@@ -191,10 +191,12 @@ def resolved_part_for(context: Context, k: int, h: float) -> float:
 
 @addressed(ft.RESOLVED_PART)
 def find_resolved_part(context: Context) -> float:
-    """The part of the step, at most 1, after which no peak is passed over."""
+    """The part of the step, at most 1, after which no peak is passed over.
+
+    It is negative where the shortest step still leads through a kink.
+    """
     r = run_record(context)
-    if r.length <= _FINEST * r.duration:
-        return 1.0
+    shortest = r.length <= _FINEST * r.duration
     rows = context.peak_rows
     evaluate_arguments(context, r.t, ws.Y0, rows[_U0], rows[_R0])
     evaluate_arguments(context, r.t + r.length, ws.Y1, rows[_U1], rows[_R1])
@@ -203,7 +205,10 @@ def find_resolved_part(context: Context) -> float:
     evaluate_between(context, r.t, r.length)
     part = 1.0
     for k in range(context[ft.PEAKS]):
-        part = min(part, resolved_part_for(context, k, r.length))
+        if not shortest:
+            part = min(part, resolved_part_for(context, k, r.length))
+        elif context.peak_kinds[k] == KINK and resolved_part_for(context, k, r.length) < 1.0:
+            return -1.0
     return part
 
 

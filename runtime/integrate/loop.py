@@ -105,6 +105,9 @@ def try_step(context: Integers) -> int:
     if code == TrialStep.DONE:
         if context[ft.PEAKS] != 0 and r.fixed == 0 and r.plan != Plan.CROSSING:
             part = ft.resolved_part_of(context)(context)
+            if part < 0.0:
+                r.site = Site.KINK
+                return Outcome.DISCONTINUOUS
             if part < 1.0:
                 return reject(context, UNRESOLVED, part * h)
         return Signal.PROCEED

@@ -141,7 +141,10 @@ def solve_by_newton(
     for _ in range(ITERATIONS):
         if best <= ROUNDING:
             break
-        trial = x + least_norm_solver(jacobian(x))(-residual(x))
+        matrix = jacobian(x)
+        if not np.isfinite(matrix if isinstance(matrix, np.ndarray) else matrix.data).all():
+            break
+        trial = x + least_norm_solver(matrix)(-residual(x))
         largest = float(np.abs(residual(trial)).max(initial=0.0))
         if not largest < best:
             break

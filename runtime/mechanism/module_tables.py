@@ -72,8 +72,9 @@ class Description:
     weak_pivot: float = 0.0  # part of its reference below which a pivot is weak; 0: none is watched
     time_functions: tuple[TimeFunction, ...] = ()
     table_ranges: tuple[TableRange, ...] = ()
-    # (element, kind, exponent) of functions of the position that may peak within a step
-    peaks: tuple[tuple[str, str, float], ...] = ()
+    # (element, kind, exponent) of functions of the position that may peak within a step; of a kink
+    # the kind of place and the function besides
+    peaks: tuple[tuple[Any, ...], ...] = ()
     conditions: tuple[ConditionRow, ...] = ()  # on parameters, judged before each run
     profiles: tuple[ProfileRow, ...] = ()
     states: Table[State] = field(default=Table())

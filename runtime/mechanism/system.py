@@ -127,7 +127,7 @@ def common_system(
             0 if row.action == "sample" else 1 + row.reconnects for row in description.watched
         ),
         controllers=tuple(map(sampled.index, description.controllers)),
-        peaks=tuple((PeakKind[kind.upper()], exponent) for _, kind, exponent in description.peaks),
+        peaks=tuple((PeakKind[row[1].upper()], row[2]) for row in description.peaks),
     )
 
 

@@ -91,8 +91,13 @@ class ScaledConstraints:
         return matrix[:-1]
 
     def weakest(self, t: float, q: Vector) -> tuple[Vector, float, Vector]:
-        """Left vector u and size of the least singular value of Φ_q, and ν; of unit rows, (m',)."""
+        """Left vector u and size of the least singular value of Φ_q, and ν; of unit rows, (m',).
+
+        The size is not a number where an entry is none.
+        """
         matrix = self.dense(self.entries(t, q, 1.0))
+        if not np.isfinite(matrix).all():
+            return matrix[:, 0], np.nan, matrix[:, -1]
         lengths = np.linalg.norm(matrix[:, :-1], axis=1)
         matrix /= np.where(lengths > 0.0, lengths, 1.0)[:, None]
         left, values, _ = np.linalg.svd(matrix[:, :-1])

@@ -7,13 +7,19 @@ refused, with the parameters behind them.
 """
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError, InputError, ParameterError
-from codegen.parameter_conditions import ALPHAS, shape_problems, violated_conditions
+from codegen.parameter_conditions import (
+    profile_samples,
+    roller_problems,
+    shape_problems,
+    violated_conditions,
+)
 from codegen.readers import arguments as readers
 from codegen.readers.arguments import Reader, count, either, optional
 from codegen.readers.values import KindError, finite_float, is_flag, shown
@@ -302,12 +308,20 @@ def _broken(mechanism: Mechanism, p: npt.NDArray[np.float64]) -> list[str]:
     kernels.conditions(p, numbers)
     problems = [*violated_conditions(description.conditions, numbers)]
     if description.profiles:
-        points = np.zeros((len(ALPHAS), 6 * len(description.profiles)))
-        for at, row in zip(ALPHAS, points, strict=True):
-            kernels.profiles(at, p, row)
+        row = np.zeros(6 * len(description.profiles))
+
+        def at(alpha: float, k: int) -> FloatArray:
+            kernels.profiles(alpha, p, row)
+            return row[6 * k : 6 * k + 6].copy()
+
+        curves = [profile_samples(partial(at, k=k)) for k in range(len(description.profiles))]
         for k, curve in enumerate(description.profiles):
-            found = shape_problems(points[:, 6 * k : 6 * k + 6], curve.convex)
+            found = [*shape_problems(curves[k], curve.convex)]
             problems += [f"{curve.element}: {problem}" for problem in found]
+            if curve.touches and not found:
+                cuts = roller_problems(curves[k], curves[k + 1], curve.touches < 0)
+                names = [one.element for one in description.profiles[k : k + 2]]
+                problems += [f"{names[which]}: {problem}" for which, problem in cuts]
     return [f"{description.title}: {problem}" for problem in problems]
 
 

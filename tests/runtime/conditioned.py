@@ -3,7 +3,7 @@
 Scenes
 ------
 turned
-    Two gears on bearings, one of them driven; a driven cam lifts a flat follower.
+    Two gears on bearings, one of them driven; a driven cam lifts a flat follower and a roller.
 thrown
     A particle on a spring rubs on the ground and falls on a floor.
 hung
@@ -30,6 +30,11 @@ model.driver("turn", cam.phi, 0.2 * t)
 model.translational("guide", model.ground.at(0, 0), follower.at(0, 0), axis=(0, 1))
 profile = cam.polar(0.1 + eccentricity * cos(alpha))
 model.cam_flat_follower("lift", profile, follower.at(0, 0), axis=(1, 0))
+width, depth = model.parameter("width", 0.02, "m"), model.parameter("depth", 0.004, "m")
+roller = model.body("roller", mass=1.0, inertia=1.0)
+model.translational("rail", model.ground.at(0, 0), roller.at(0, 0), axis=(1, 0))
+waves = cam.polar(0.05 + depth * cos(4 * alpha))
+model.cam_follower("roll", waves, roller.circle(width))
 
 stiffness, shift = model.parameter("stiffness", 100.0), model.parameter("shift", 0.0)
 pressing, gain = model.parameter("pressing", 5.0), model.parameter("gain", 1.0)
@@ -42,8 +47,8 @@ model.contact("floor", gap=p.y, restitution=e)
 table = model.table("table", [0, 1, 2, 3], [1, 2, 1, 3])
 model.force("push", p, table(where))
 
-machines = ["one", "other", "cam", "follower"]
-model.scene("turned", drivers=["motor", "turn"], without=["p"])
+machines = ["one", "other", "cam", "follower", "roller"]
+model.scene("turned", drivers=["motor", "turn"], without=["p"], guess={roller.x: 0.074})
 model.scene("thrown", ["gravity", "coil", "rub", "floor", "push"], without=machines,
             start={p.x: 0.0, p.y: 0.5})  # fmt: skip
 model.scene("hung", ["gravity", "coil"], without=machines, start={p.x: 0.1, p.y: 0.5})

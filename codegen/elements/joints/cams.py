@@ -140,6 +140,15 @@ class CamFollower(Constraint):
         on_cam, on_follower = divmod(int(np.argmax(compared(score))), len(other))
         return {self.alpha: ALPHAS[4 * on_cam], self.beta: ALPHAS[4 * on_follower]}
 
+    def touches_inside(self, numbers: Mapping[sympy.Symbol, float]) -> bool:
+        """Whether the outward normals point the same way where α and β are: a roller in a ring."""
+        normals = [
+            outward(in_ground(curve, numbers))[int(np.argmin(np.abs(np.array(ALPHAS) - at)))]
+            for curve, q in ((self.cam, self.alpha), (self.follower, self.beta))
+            for at in [numbers[q] % ALPHAS[-1]]
+        ]
+        return bool(normals[0] @ normals[1] > 0.0)
+
     def shapes(self) -> shapes.Shapes:
         """Both profiles."""
         return shapes.Profile(self.cam), shapes.Profile(self.follower)

@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 
 from codegen import Model, alpha, t
 from codegen.check.declaration import check_model
+from codegen.errors import ModelError
 from codegen.reading.scene_selection import valid_scenes
 from tests.codegen.workbench import A, B, Interpreted, State, python_functions
 
@@ -279,3 +280,81 @@ def test_a_profile_of_any_size_is_searched_without_a_warning(size: float) -> Non
     model.cam_follower("disc", cam.circle(size), other.circle(size))
     places = dict(model.scene("run").guess)
     assert places.keys() == {"pin.alpha", "flat.alpha", "disc.alpha", "disc.beta"}
+
+
+def enveloped(lift: sympy.Expr) -> tuple[sympy.Expr, sympy.Expr]:
+    """The profile on which a flat face has the lift, a function of the angle of its normal."""
+    slope = lift.diff(alpha)
+    x, y = sympy.cos(alpha), sympy.sin(alpha)
+    return lift * x - slope * y, lift * y + slope * x
+
+
+def c_shape() -> list[tuple[float, float]]:
+    """A band of 10 mm round half a circle of 25 mm and more, with a mouth of 23.8 mm."""
+    end, width, mean = 2.4, 0.005, 0.025
+    arc, cap = np.linspace(-end, end, 60), np.linspace(0, np.pi, 12)[1:-1]
+    tips = [mean * np.exp(1j * a) for a in (end, -end)]
+    ends = [np.exp(1j * (end + cap)), np.exp(1j * (np.pi - end + cap))]
+    caps = [tip + width * way for tip, way in zip(tips, ends, strict=True)]
+    outer, inner = ((mean + s * width) * np.exp(1j * arc[::s]) for s in (1, -1))
+    return [(float(z.real), float(z.imag)) for z in (*outer, *caps[0], *inner, *caps[1])]
+
+
+WAVES = 0.05 + 0.004 * sympy.cos(4 * alpha)
+CUTS = {
+    # radius of the hollows 117.6 mm
+    "hollow": (
+        lambda m, cam: cam.polar(WAVES),
+        0.118,
+        r"curvature of 0\.1176 m, .* 0\.118",
+    ),
+    "fits": (lambda m, cam: cam.polar(WAVES), 0.117, ""),
+    "mouth": (
+        lambda m, cam: m.curve_through("c", cam, c_shape()),
+        0.012,
+        r"cuts 0\.0002\d+ m deep",
+    ),
+    "passes": (lambda m, cam: m.curve_through("c", cam, c_shape()), 0.0118, ""),
+}
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+@pytest.mark.parametrize("case", CUTS)
+def test_a_roller_that_cuts_into_its_cam_is_refused(case: str, swapped: bool) -> None:
+    """Also where the tangent point is free, and the roller is in the profile elsewhere."""
+    profile, radius, expected = CUTS[case]
+    model, cam, follower = two_bodies()
+    curves = profile(model, cam), follower.circle(radius)
+    model.cam_follower("roll", *(curves[::-1] if swapped else curves))
+    if not expected:
+        valid_scenes(model, None)
+        return
+    with pytest.raises(ModelError, match=f"curve of 'roll' on body 'first': .*{expected}"):
+        valid_scenes(model, None)
+
+
+@pytest.mark.parametrize("inside", [False, True])
+def test_which_radius_counts_depends_on_the_side_of_the_contact(inside: bool) -> None:
+    """Inside a ring it is that of the lobes, 24.7 mm, at which the roller is hollowed round."""
+    model, cam, roller = two_bodies()
+    roll = model.cam_follower("roll", cam.polar(WAVES), roller.circle(0.03))
+    guess = {roll.alpha: 0.0, roll.beta: 0.0} if inside else {}
+    model.scene("run", guess=guess)
+    if not inside:
+        valid_scenes(model, None)
+        return
+    with pytest.raises(ModelError, match=r"at α = 0 rad .* 0\.02471 m, too small .* 0\.03 m"):
+        valid_scenes(model, None)
+
+
+@pytest.mark.parametrize("share", [0.98, 1.02, 1.9])
+def test_the_radius_of_curvature_under_a_flat_face_stays_positive(share: float) -> None:
+    """With the lift R + h cos 3θ it is R - 8 h cos 3θ: one that vanishes is no cusp at a sample."""
+    model, cam, follower = two_bodies()
+    x, y = enveloped(0.05 + share * 0.05 / 8 * sympy.cos(3 * alpha))
+    model.cam_flat_follower("lift", cam.curve(x, y), follower)
+    if share < 1.0:
+        valid_scenes(model, None)
+        return
+    with pytest.raises(ModelError, match=r"turns by 180° at α = .* it is undercut"):
+        valid_scenes(model, None)

@@ -1,0 +1,138 @@
+"""Places where the equation of a constraint is not smooth end a run by name, and misses do not."""
+
+from collections.abc import Callable
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from codegen import Model, t
+from codegen.errors import AssemblyError
+from runtime import load
+from runtime.core.outcomes import Outcome
+from runtime.machine_facade import Machine
+
+FORMULATIONS = ("cartesian", "reduced")
+METHODS = ("dop853", "dopri5", "tsit5", "radau5", "bdf")
+R, LENGTH, SPEED = 0.1, 2.5, 1.0
+
+
+@pytest.fixture(scope="module")
+def machine(workshop: Path) -> Callable[[str], Machine]:
+    def loaded(name: str) -> Machine:
+        model = Model(f"kink_{name}", gravity=(0, -9.81))
+        p, effects = model.particle("p", mass=1.0), []
+        start, guess = {p.x: 0.0, p.vx: 5.0}, {}
+        if name == "ring":  # a rope through it, to a load on a rail
+            q = model.particle("q", mass=3.0)
+            model.absolute("rail", q, "x", 1.0)
+            model.constraint("row", sp.sqrt((p.x - 3) ** 2 + (p.y - 2) ** 2) - q.y - 3)
+            start = {p.x: 1.0, p.vx: 2.0, p.y: 1.0, p.vy: 1.0}
+            guess = {q.y: np.sqrt(5) - 3}
+        elif name == "bowl":
+            effects = ["gravity"]
+            model.constraint("row", p.y + sp.sqrt(1 - p.x**2))
+        elif name == "post":  # a string that winds onto it
+            span = sp.sqrt(p.x**2 + p.y**2 - R**2)
+            turn = sp.atan2(-p.y, -p.x) - sp.atan2(R, span)
+            model.constraint("row", span - R * turn - LENGTH)
+            start, guess = {p.y: -R, p.vy: SPEED}, {p.x: -LENGTH, p.vx: 0.0}
+        elif name == "arc":
+            model.absolute("rail", p, "y", 0.0)
+            q = model.particle("q", mass=1.0)
+            model.absolute("rail_of_q", q, "x", 0.0)
+            model.constraint("row", q.y - sp.asin(p.x))
+            start = {p.x: 0.0, p.vx: 1.0}
+        else:  # a track around the origin that closes
+            turn = sp.atan2(p.y, p.x)
+            model.constraint("row", sp.sqrt(p.x**2 + p.y**2) - 1 - sp.cos(3 * turn) / 5)
+            start, guess = {p.y: 0.0, p.vy: 1.0}, {p.x: 1.2}
+        model.scene("run", effects, start=start, guess=guess)
+        return load(model, folder=workshop)
+
+    return loaded
+
+
+# name: outcome, instant, function in the message
+ENDS = {
+    "ring": (Outcome.DISCONTINUOUS, 1.0, "sqrt((p_x - 3)**2 + (p_y - 2)**2) comes to 0"),
+    "bowl": (Outcome.NOT_FINITE, 0.394540059, "sqrt(1 - p_x**2) comes to 0"),
+    "post": (Outcome.DISCONTINUOUS, 7.460536, "atan2(-p_y, -p_x) comes to its cut"),
+    "arc": (Outcome.NOT_FINITE, 1.3506438, "asin(p_x) comes to an end of its range"),
+}
+
+
+@pytest.mark.parametrize("name", ENDS)
+def test_runs_end_at_a_kink_by_name(machine: Callable[[str], Machine], name: str) -> None:
+    outcome, instant, said = ENDS[name]
+    one = machine(name)
+    for formulation, method in product(FORMULATIONS, METHODS):
+        result = one.simulate(10.0, 201, method=method, formulation=formulation)
+        assert result.outcome is outcome, (formulation, method)
+        assert result.t[-1] == pytest.approx(instant, abs=3e-6)
+        assert f"In joint 'row' {said}" in result.message
+        assert ("rack_and_pinion" in result.message) == (name == "post")
+        energy = result.energy("total")
+        assert np.ptp(energy) < 1e-4 * max(1.0, np.abs(energy).max())
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_near_misses_go_on(machine: Callable[[str], Machine], formulation: str) -> None:
+    """The load turns back within 1e-6 s, as the particle goes straight on by symmetry."""
+    ring = machine("ring")
+    for off in (1e-3, 1e-6):
+        result = ring.simulate(2.0, 3, start={"p.y": 1.0 + off}, formulation=formulation)
+        assert result.outcome is Outcome.OK
+        np.testing.assert_allclose(result.q("q.y")[[0, 2]], np.sqrt(5) - 3, atol=2 * off)
+        assert result.v("q.vy")[-1] == pytest.approx(np.sqrt(5), abs=2 * off + 1e-5)
+    bowl = machine("bowl").simulate(3.0, start={"p.vx": 4.4294}, formulation=formulation)
+    assert bowl.outcome is Outcome.OK  # up to 2e-4 below the rim
+    assert np.ptp(bowl.energy("total")) < 1e-4
+
+
+def test_a_function_that_does_not_count_turns_has_no_cut(
+    machine: Callable[[str], Machine],
+) -> None:
+    result = machine("track").simulate(20.0)
+    assert result.outcome is Outcome.OK
+    x, y = result.q("p.x"), result.q("p.y")
+    assert np.unwrap(np.arctan2(y, x))[-1] > 2 * np.pi
+    np.testing.assert_allclose(np.hypot(x, y), 1 + np.cos(3 * np.arctan2(y, x)) / 5, atol=1e-9)
+
+
+@pytest.mark.parametrize("instants", [5, 8])
+@pytest.mark.parametrize("off", [0.0, 1e-3])
+def test_driven_machines_end_at_a_kink(workshop: Path, off: float, instants: int) -> None:
+    model = Model(f"driven_kink_{'miss' if off else 'hit'}")
+    p, q = model.particle("p", mass=1.0), model.particle("q", mass=3.0)
+    model.absolute("rail", p, "x", off)
+    model.absolute("rail_of_q", q, "x", 1.0)
+    model.driver("lift", p.y, t - 1)
+    model.constraint("rope", sp.sqrt(p.x**2 + p.y**2) - q.y - 3)
+    model.scene("run", drivers=["lift"], guess={q.y: -2.0})
+    driven = load(model, folder=workshop)
+    for analysis in (driven.kinematics, driven.inverse_dynamics):
+        result = analysis(np.linspace(0.0, 2.0, instants))
+        if off:
+            assert result.outcome is Outcome.OK
+            assert result.v("q.vy")[-1] == pytest.approx(1.0, abs=1e-5)
+        else:
+            assert result.outcome is Outcome.DISCONTINUOUS
+            assert result.t[-1] < 1.0
+            assert "'rope' sqrt(p_x**2 + p_y**2) comes to 0" in result.message
+            assert "at t = 1 s" in result.message
+
+
+def test_a_guess_without_a_slope_is_left_and_a_start_is_refused(workshop: Path) -> None:
+    model = Model("string_at_its_pin", gravity=(0, -9.81))
+    p = model.particle("p", mass=1.0)
+    model.constraint("rope", sp.sqrt(p.x**2 + p.y**2) - 1)
+    model.scene("guessed", ["gravity"])
+    model.scene("fixed", ["gravity"], start={p.x: 0.0, p.y: 0.0})
+    result = load(model, "guessed", folder=workshop).simulate(1.0)
+    assert result.outcome is Outcome.OK
+    np.testing.assert_allclose(np.hypot(result.q("p.x"), result.q("p.y")), 1.0, atol=1e-9)
+    with pytest.raises(AssemblyError, match="Φ_q of constraint 'rope' is nan"):
+        load(model, "fixed", folder=workshop).simulate(1.0)
