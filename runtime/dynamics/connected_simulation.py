@@ -287,11 +287,12 @@ def joined(
         stats[name] = max(counts) if name in _LARGEST else sum(counts)
     own, all_steps = (f" in {counted(int(n['steps']), 'step')}." for n in (last.stats, stats))
     end = last.message.replace(own, all_steps, 1)
+    held = [one._held.strip() for one in results[:-1]]
     values = {name: value for one in results for name, value in one.parameters.items()}
     result = Result(
         description, samples, np.array([values[row.name] for row in description.parameters]),
         analysis=last.analysis, outcome=last.outcome,
-        message=" ".join(filter(None, (sentences(passed), end))), stats=stats,
+        message=" ".join(filter(None, (sentences(passed), *held, end))), stats=stats,
         events=tuple(event for one in results for event in one.events),
         partitions=tuple(choice for one in results for choice in one.partitions),
         not_unique=tuple(dict.fromkeys(name for one in results for name in one.not_unique)),

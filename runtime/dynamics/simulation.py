@@ -144,6 +144,7 @@ def run_prepared(
         result._motion = SimulatedMotion(coordinates, options, run.checkpoints, *end)
     if works:
         integrate_works(result, len(run.t), options.t_eval)
+    name_held_frictions(result, equations)
     suspicions = screen_run(equations, result.samples, ready.sizes, options, run)
     reduced = isinstance(coordinates, ReducedCoordinates)
     check_result(result, equations, ready.sizes, options, run, suspicions, energy=energy or reduced)
@@ -225,7 +226,6 @@ def _result(
     elif run.index >= 0:
         subject = description.constraints[run.index].name
     result.site = run.site.of(subject)
-    name_held_frictions(result, equations)
     if run.outcome in _LEAVING:
         name_left_tables(result, equations)
     ending = run.stopped_by

@@ -112,6 +112,7 @@ class Result(TimeSeries):
     # conditions on outputs that may end a run
     _until: tuple[tuple[str, str, float, float], ...] = ()
     _chosen: bool = False  # whether the samples are at instants that `at` was asked for
+    _held: str = ""  # sentences on frictions that joints and drivers hold at rest
     _motion: Motion | None = None  # behind the samples; None: of an analysis without one
     _mechanism: "Mechanism | None" = None  # that moves; None: it is not known
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from codegen.object_display import counted
 from runtime.core.kinds import SLIDING
 from runtime.dynamics.output_quantities import evaluate
 from runtime.mechanism.dense_equations import Equations
@@ -17,10 +16,13 @@ def name_held_frictions(result: Result, equations: Equations) -> None:
     The message has their bounds. The share of such a friction is not a number.
     """
     description, samples = equations.description, result.samples
-    limits = {k: rows for k, *rows in description.friction_limits}
-    switches = description.switches
+    limits, switches = {k: rows for k, *rows in description.friction_limits}, description.switches
+    if not any(switch.sticks for switch in switches):
+        return
     low, high = np.zeros(len(switches)), np.ones(len(switches))
+    joints = [row.element for row in description.constraints]
     equations.kernels.holds(equations.p, low, high)
+    result._held = ""
     for k, switch in enumerate(switches):
         held = switch.sticks & (samples.modes[:, k] == SLIDING) & np.isnan(samples.share[:, k])
         if not held.any():
@@ -30,23 +32,27 @@ def name_held_frictions(result: Result, equations: Equations) -> None:
             rows.modes[:, k] = mode
             sides.append(evaluate(equations, rows.t, rows.q, rows.v, rows.modes))
         off, on = sides
-        bounds, unit = np.full((len(rows.t), 2), np.nan), ""
-        for column, row in enumerate(description.reactions):
-            if row.element == switch.name and row.component in {"force", "torque"}:
-                base, unit = off.reaction[:, column], row.unit
-                bounds = base[:, None] + np.outer(on.reaction[:, column] - base, [low[k], high[k]])
-        if k in limits:
-            bounds = np.outer(rows.reaction[:, limits[k][1]], [-1.0, 1.0])
-        if not bounds.any():
-            continue
         change = np.nan_to_num(np.abs(on.lam - off.lam)).max(axis=0, initial=0.0)
         moved = np.flatnonzero(change > _RESPONDS * change.max(initial=0.0))
-        others = dict.fromkeys(description.constraints[j].element for j in moved)
-        result.not_unique = tuple(dict.fromkeys([*result.not_unique, switch.name, *others]))
-        force = f"anything from {bounds.min():.6g} to {bounds.max():.6g} {unit}"
-        result.message += (
-            f" At {counted(len(rows.t), 'instant')} from t = {rows.t[0]:.6g} to {rows.t[-1]:.6g} s "
-            f"joints and drivers hold the friction {switch.name} at rest, and it may exert "
-            f"{'any force' if np.isnan(bounds).any() else force}: the least, 0, is given, and the "
+        others, bounds = dict.fromkeys(joints[j] for j in moved), dict[str, str]()
+        for column, row in enumerate(description.reactions):
+            name, base = row.element, off.reaction[:, column]
+            spread = on.reaction[:, column] - base
+            if name in joints or row.component not in {"force", "torque"} or not spread.any():
+                continue
+            ends = base[:, None] + np.outer(spread, [low[k], high[k]])
+            if name == switch.name and k in limits:
+                ends = np.outer(rows.reaction[:, limits[k][1]], [-1.0, 1.0])
+            bounds[name] = f"anything from {ends.min():.6g} to {ends.max():.6g} {row.unit}"
+        if not any(row.element == switch.name for row in description.reactions):
+            bounds[switch.name] = "any force that it can bear"
+        if not bounds:
+            continue
+        result.not_unique = tuple(dict.fromkeys([*result.not_unique, *bounds, *others]))
+        forces = ", ".join(f"{name} may exert {ends}" for name, ends in bounds.items())
+        result._held += (
+            f" From t = {rows.t[0]:.6g} to {rows.t[-1]:.6g} s there are instants at which joints "
+            f"and drivers hold friction at rest: {forces}. The least, 0, is given, and the "
             f"reactions of {', '.join(others)} with it."
         )
+    result.message += result._held
