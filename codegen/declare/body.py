@@ -18,6 +18,7 @@ from codegen.readers.calls import declaring, declaring_class, named_attributes
 from codegen.readers.expressions import plain_expression
 from codegen.readers.quantities import in_unit, metres
 from codegen.readers.values import KindError, members, shown
+from codegen.tables.time_pieces import closed
 
 Loads = dict[Coordinate, sympy.Expr]
 """Generalized forces Q, by coordinate."""
@@ -243,7 +244,7 @@ class Point:
     def place(self) -> tuple[sympy.Expr, sympy.Expr]:
         """(sx, sy) as expressions, m; ModelError where they are none."""
         x, y = expressions_in("m", f"point of {_named(self.body)}", self.sx, self.sy)
-        return x, y
+        return closed(x), closed(y)
 
 
 @named_attributes

@@ -52,10 +52,6 @@ class TimePieces(sympy.Function):  # type: ignore[misc]
     def _sympystr(self, printer: Any) -> str:
         return str(printer._print(self.expression))
 
-    def _latex(self, printer: Any, exp: str | None = None) -> str:
-        text = str(printer._print(self.expression))
-        return text if exp is None else rf"\left({text}\right)^{{{exp}}}"
-
 
 def closed(expression: sympy.Expr) -> sympy.Expr:
     """The expression with its parts that are functions of time by pieces closed to SymPy."""

@@ -102,3 +102,19 @@ def test_friction_slides_where_its_belt_starts_or_stops_at_once(workshop: Path, 
     assert result.v("block.vx") == pytest.approx([-0.1, -0.1, 0.1])
     sliding = 0.2 / 0.981
     assert result.q("block.x")[-1] == pytest.approx(-0.1 + 0.1 * (1 - sliding), abs=1e-8)
+
+
+def test_a_journal_hangs_in_a_bearing_that_moves_off(workshop: Path) -> None:
+    model = Model("bearing_in_pieces", gravity=(0, -9.81))
+    journal = model.particle("journal", mass=1.0)
+    bearing = model.ground.at(Max(0, t - 1) ** 2 / 10, 0)
+    model.clearance_joint("pin", bearing, journal, clearance=0.01, stiffness=1e5, damping=3.0)
+    x, y = journal.x, journal.y
+    model.scene("run", ["gravity", "pin"], start={x: 0.001, y: -0.01, journal.vx: 0, journal.vy: 0})
+    result = load(model, folder=workshop).simulate(2.0)
+    assert result.outcome is Outcome.OK
+    off = np.hypot(
+        result.q("journal.x") - np.maximum(0, result.t - 1) ** 2 / 10, result.q("journal.y")
+    )
+    assert off.max() < 0.0135
+    assert off[-1] == pytest.approx(0.01 + (9.812 / 1e5) ** (2 / 3), abs=1e-4)
