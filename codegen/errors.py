@@ -85,7 +85,3 @@ class TableWarning(UserWarning):
 
     def __init__(self, text: str = "") -> None:
         super().__init__(text)
-
-
-class UnwatchedWarning(UserWarning):
-    """A model asks for what nobody can watch, and is read anew each time it is loaded."""

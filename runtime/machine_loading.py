@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from weakref import WeakSet
 
-from codegen.errors import SupersededError, UnwatchedWarning
+from codegen.errors import SupersededError
 from codegen.files.build_records import unchanged
 from codegen.files.generated_modules import (
     check_signature,
@@ -112,7 +112,6 @@ def _fresh_module(model: Path, generated: Path, scene: "str | Scene | None") -> 
         warnings.warn(
             f"{model} asks for what nobody can watch ({'; '.join(record.unwatched)}), so it is "
             "read anew each time it is loaded.",
-            UnwatchedWarning,
             stacklevel=2,
         )
     return built

@@ -8,7 +8,7 @@ build that finds the same text writes the record alone.
 import hashlib
 import json
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from functools import cache
 from importlib.metadata import version
@@ -18,9 +18,6 @@ from typing import Literal, NamedTuple
 from codegen.errors import InputError
 from codegen.files.library_folders import LIBRARY
 from codegen.files.whole_files import whole_file
-
-_WITHOUT_TEXTS = ("codegen/machine_code/", "codegen/explain/", "codegen/reference/")
-"""Rooms of the compiler on which no generated text depends."""
 
 
 class Input(NamedTuple):
@@ -43,34 +40,37 @@ class Record(NamedTuple):
     unwatched: tuple[str, ...]  # requests of the model whose answers nobody can watch
 
 
-def source_hash(rooms: Iterable[str], leave_out: tuple[str, ...] = ()) -> str:
+def source_hash(*rooms: str) -> str:
     """SHA-256 of the sources in folders of the library."""
     found = hashlib.sha256()
     for file in sorted(file for room in rooms for file in LIBRARY.glob(f"{room}/**/*.py")):
-        place = file.relative_to(LIBRARY).as_posix()
-        if not place.startswith(leave_out or ("/",)):
-            content = file.read_bytes()
-            found.update(f"{place} {len(content)}\n".encode() + content)
+        content = file.read_bytes()
+        found.update(f"{file.relative_to(LIBRARY).as_posix()} {len(content)}\n".encode() + content)
     return found.hexdigest()
 
 
 @cache
 def generator_state() -> str:
     """The version of SymPy and the hash of the compiler's sources."""
-    return f"{version('sympy')} {source_hash(['codegen'], _WITHOUT_TEXTS)}"
+    return f"{version('sympy')} {source_hash('codegen')}"
+
+
+def relative(path: Path, base: Path) -> str:
+    """A path from a folder on if it lies in it, else the path itself."""
+    return (path.relative_to(base) if path.is_relative_to(base) else path).as_posix()
 
 
 def value_of(kind: str, name: str | Path) -> str | None:
     """The hash of what a model is given now, None for nothing: `name` is a path or a variable."""
     try:
         if kind == "file":
+            if not Path(name).is_file():  # nor is a device, which may have no end
+                return None
             content = Path(name).read_bytes()
         elif kind == "folder":
             content = repr(sorted(os.listdir(name))).encode()  # noqa: PTH208 (names alone)
-        elif kind == "variable" and not name:
-            content = repr(sorted(os.environ)).encode(errors="surrogateescape")
         elif kind == "variable":
-            content = os.environ[str(name)].encode(errors="surrogateescape")
+            content = repr(os.environ[str(name)] if name else sorted(os.environ)).encode()
         else:
             content = os.fsencode(Path.cwd())
     except (OSError, KeyError):
@@ -112,13 +112,6 @@ def superseded(path: Path, digest: str, model: Path) -> bool:
 
 def write_record(path: Path, record: Record) -> None:
     """Keep the record of a generated file, where a folder for it can be written."""
-    base = path.resolve().parent.parent
-
-    def named(row: Input) -> Input:
-        inside = row.kind in ("file", "folder") and Path(row.name).is_relative_to(base)
-        return row._replace(name=Path(row.name).relative_to(base).as_posix()) if inside else row
-
-    record = record._replace(inputs=tuple(map(named, record.inputs)))
     if record in _records(path):
         return
     for place in _places(path):

@@ -135,21 +135,16 @@ def import_generated(path: Path, digest: str | None = None, text: str | None = N
         if digest not in (None, actual):
             raise SupersededError(f"{path} was replaced while it was being loaded; load it again.")
         name = module_name(path, text)
-        loaded = sys.modules.get(name)
-        if loaded is not None and _loader(loaded).path == str(path):
-            return loaded
+        loaded: Any = sys.modules.get(name)
+        if loaded is not None and loaded.__loader__.path == str(path):
+            return loaded  # type: ignore[no-any-return]
         return _execute(name, path, text)
 
 
 def loaded_text(path: Path, digest: str) -> str | None:
     """The text of a generated file that this process has imported; None if it has not."""
-    module = sys.modules.get(_name(path, digest))
-    return None if module is None else _loader(module).text
-
-
-def _loader(module: ModuleType) -> "_TextLoader":
-    assert isinstance(module.__loader__, _TextLoader)
-    return module.__loader__
+    module: Any = sys.modules.get(_name(path, digest))
+    return None if module is None else module.__loader__.text
 
 
 def module_name(path: Path, text: str) -> str:

@@ -9,12 +9,11 @@ import sympy
 from codegen.derive.equations import Equations
 from codegen.emit.line_wrapping import literal
 from codegen.emit.module import Origin, Unroll
-from codegen.files.build_records import Input, Record, generator_state
+from codegen.files.build_records import Input, Record, generator_state, relative
 from codegen.files.generated_modules import scene_path
 from codegen.files.library_folders import LIBRARY, models_folder
 from codegen.model import Model
 from codegen.reading.model_file import ModelFile
-from codegen.reading.scene_selection import DEFAULT
 
 
 def default_folder(file: ModelFile) -> Path:
@@ -33,11 +32,15 @@ def generated_path(
     return scene_path(folder, stem, equations.scene.name, tail)
 
 
-def record(file: ModelFile, model: Model, digest: str) -> Record:
-    """What a generated text with this SHA-256 was made from."""
-    sources = (Input("file", str(path), value) for path, value in file.sources)
-    scenes = tuple(model.scenes) or (DEFAULT,)
-    return Record(digest, generator_state(), scenes, (*sources, *file.asked), file.unwatched)
+def record(file: ModelFile, model: Model, path: Path, digest: str) -> Record:
+    """What a generated file, whose text has this SHA-256, was made from."""
+    base, scenes = path.resolve().parent.parent, tuple(model.scenes) or ("default",)
+    rows = [*(Input("file", str(source), value) for source, value in file.sources), *file.asked]
+    inputs = tuple(
+        row._replace(name=relative(Path(row.name), base)) if row.kind in ("file", "folder") else row
+        for row in rows
+    )
+    return Record(digest, generator_state(), scenes, inputs, file.unwatched)
 
 
 def origin(
@@ -50,10 +53,7 @@ def origin(
     builds the file.
     """
     base = path.resolve().parent.parent
-    named = [
-        ((source.relative_to(base) if source.is_relative_to(base) else source).as_posix(), digest)
-        for source, digest in file.sources
-    ]
+    named = [(relative(source, base), digest) for source, digest in file.sources]
     options = (
         "".join(f" --set {name}={literal(value)}" for name, value in sorted(settings.items()))
         + more

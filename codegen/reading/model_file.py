@@ -1,6 +1,5 @@
 """Model file → the `Model` that it declares, and the local source files."""
 
-import ast
 import contextlib
 import hashlib
 import importlib.util
@@ -21,7 +20,7 @@ from codegen.model import Model
 from codegen.readers.arguments import NOT_TEXT
 from codegen.readers.calls import sympy_remedy
 from codegen.readers.values import shown
-from codegen.reading.watched_inputs import Watch, is_local, is_local_code, unseen_requests, watched
+from codegen.reading.watched_inputs import Watch, is_local, unseen_requests, watched
 
 _IN_USE = {
     *("codegen", "linkwright", "runtime", "filelock", "llvmlite", "matplotlib", "mpmath"),
@@ -112,43 +111,6 @@ def _require_plain_name(path: Path) -> None:
         )
 
 
-def local_files(path: Path) -> list[Path]:
-    """The file itself, then the files that it imports, directly or not, unless they are installed.
-
-    The imported modules must still be loaded.
-    """
-    files: dict[Path, None] = {}
-    waiting = [(path.resolve(), "")]  # with the package that relative imports start from
-    while waiting:
-        current, package = waiting.pop(0)
-        if current in files:
-            continue
-        files[current] = None
-        for name in _imported_names(current, package):
-            module = sys.modules.get(name)
-            file = Path(getattr(module, "__file__", None) or "").resolve()
-            if file.is_file() and is_local(file):
-                waiting.append((file, getattr(module, "__package__", None) or ""))
-    return list(files)
-
-
-def _imported_names(path: Path, package: str) -> list[str]:
-    """Full names of all modules, and packages above them, that a file of `package` imports."""
-    names = []
-    for node in ast.walk(ast.parse(path.read_bytes())):
-        if isinstance(node, ast.Import):
-            names += [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            module = "." * node.level + (node.module or "")
-            if node.level:
-                if not package:
-                    continue
-                module = importlib.util.resolve_name(module, package)
-            names += [module, *(f"{module}.{alias.name}" for alias in node.names)]
-    above = {".".join(n.split(".")[:k]) for n in names for k in range(1, n.count(".") + 2)}
-    return sorted(above)
-
-
 def _execute(path: Path) -> tuple[dict[str, object], list[Path], Watch]:
     """The names that a model file defines, its local source files, and what it asked for."""
     spec = importlib.util.spec_from_file_location(f"_linkwright_model_{path.stem}", path)
@@ -159,9 +121,10 @@ def _execute(path: Path) -> tuple[dict[str, object], list[Path], Watch]:
         with _fresh_imports(path.parent), contextlib.redirect_stdout(sys.stderr):
             with watched() as watch:
                 spec.loader.exec_module(module)
-            files = local_files(path)
-        read = [Path(name) for kind, name in watch.asked if kind == "file" and name[-3:] == ".py"]
-        watch.unwatched |= dict.fromkeys(unseen_requests({*files, *read}))
+            modules = [module for _, module in sorted(_modules_of_user().items())]
+            names = [str(path), *(str(module.__file__) for module in modules)]
+            files = [*dict.fromkeys(Path(name).resolve() for name in names)]
+            watch.unwatched |= dict.fromkeys(unseen_requests(files))
     except KeyboardInterrupt:
         raise
     except BaseException as error:
@@ -207,8 +170,8 @@ def _fresh_imports(folder: Path) -> Iterator[None]:
     not kept, as its date is in seconds, nor are modules: another folder may hold another file of
     the same name, and this one may be edited before the next build.
     """
-    is_first = not any(isinstance(finder, _Siblings) for finder in sys.meta_path)
-    held = {name: x for name, x in [*sys.modules.items()] if is_first and _is_of_user(name, x)}
+    nested = any(isinstance(finder, _Siblings) for finder in sys.meta_path)
+    held = {} if nested else _modules_of_user()
     for name in held:
         del sys.modules[name]
     before, writes = set(sys.modules), sys.dont_write_bytecode
@@ -226,12 +189,15 @@ def _fresh_imports(folder: Path) -> Iterator[None]:
         sys.dont_write_bytecode = writes
         for name in set(sys.modules) - before:
             origin = getattr(sys.modules[name], "__file__", None)
-            if origin and is_local(Path(origin)):
+            if origin and is_local(origin):
                 del sys.modules[name]
         sys.modules.update(held)
 
 
-def _is_of_user(name: str, module: ModuleType) -> bool:
-    """Whether a module in use comes from a local Python file, and can be imported once more."""
-    file = getattr(module, "__file__", None) or ""
-    return file.endswith(".py") and name not in _KEPT and is_local_code(file)
+def _modules_of_user() -> dict[str, ModuleType]:
+    """Modules in use from local Python files, which can be imported once more, by their names."""
+    files = {name: str(getattr(x, "__file__", "")) for name, x in [*sys.modules.items()]}
+    return {
+        name: sys.modules[name] for name, file in files.items()
+        if name not in _KEPT and file.endswith(".py") and is_local(file)
+    }  # fmt: skip

@@ -20,9 +20,6 @@ from codegen.model.scene_requests import NONE
 from codegen.readers.values import finite_float, nearest, one_line, shown
 from codegen.reading.model_file import read_model
 
-DEFAULT = "default"
-"""The scene of a model that declares none."""
-
 
 def with_settings(model: Model, settings: Mapping[str, float]) -> Model:
     """A copy of the model with the other defaults of ``--set``, which hold in every scene."""
@@ -64,7 +61,7 @@ def valid_scenes(model: Model, names: str | Scene | Sequence[str | Scene] | None
         raise ModelError(problems)
     if not model.scenes:
         model = model.altered(scenes={})
-        model.scene(DEFAULT, effects=model.effects, drivers=model.drivers)
+        model.scene("default", effects=model.effects, drivers=model.drivers)
     chosen = (
         (names,) if isinstance(names, str | Scene) else model.scenes if names is None else names
     )

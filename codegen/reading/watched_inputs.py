@@ -10,9 +10,8 @@ import inspect
 import os
 import sys
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from functools import cache
-from importlib.util import source_from_cache
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -20,6 +19,11 @@ from typing import Any
 from codegen.files.build_records import Input, value_of
 from codegen.files.library_folders import LIBRARY, installed_folders
 
+_PLACES = {
+    "open": ("file", 0), "import": ("file", 1), "sqlite3.connect": ("file", 0),
+    "os.listdir": ("folder", 0), "os.scandir": ("folder", 0),
+}  # fmt: skip
+"""Audit events → what they ask for, and which of their arguments names it."""
 _ELSEWHERE = ("socket.", "subprocess.", "urllib.", "os.system", "os.exec", "os.fork", "os.spawn",
               "os.posix_spawn", "builtins.input")  # fmt: skip
 """Beginnings of audit events: other programs and computers are asked."""
@@ -34,7 +38,6 @@ _UNSEEN = {
 _GENERATORS = {"default_rng", "Random", "RandomState", "SystemRandom", "seed", "SeedSequence"}
 """Functions that begin a sequence of random numbers, the same one where they are given a seed."""
 _RANDOM = {"random", "numpy.random", "secrets"}
-_NOT_WATCHED = tuple(map(Path, ("/dev", "/proc", "/sys")))
 
 _watching: list["Watch"] = []
 
@@ -48,10 +51,9 @@ class Watch:
 
     def hear(self, event: str, given: tuple[Any, ...]) -> None:
         """Note an audit event."""
-        if event == "sqlite3.connect" or (event == "open" and not _only_writes(*given[1:])):
-            self.note("file", given[0])
-        elif event in ("os.listdir", "os.scandir"):
-            self.note("folder", "." if given[0] is None else given[0])
+        if event in _PLACES:
+            kind, place = _PLACES[event]
+            self.note(kind, "." if kind == "folder" and given[place] is None else given[place])
         elif event.startswith(_ELSEWHERE) and (asker := _asker()):
             self.unwatched[f"{event}, {asker}"] = None
 
@@ -61,15 +63,11 @@ class Watch:
             return
         text = os.fsdecode(name)
         if kind != "variable":
-            path = Path(text)
-            if not path.is_absolute():
+            if not os.path.isabs(text):  # noqa: PTH117
                 self.asked["working folder", ""] = None
-            path = Path(os.path.abspath(path))  # noqa: PTH100 (links stay, and `..` goes)
-            if path.suffix == ".pyc":
-                with suppress(ValueError):  # of another program's making
-                    path = Path(source_from_cache(str(path)))
-            text = str(path)
-            if not is_local(path) or any(map(path.is_relative_to, _NOT_WATCHED)):
+            text = os.path.abspath(text)  # noqa: PTH100 (links stay, and `..` goes)
+            own = any(part in text for part in ("__pycache__", ".linkwright-"))
+            if own or not is_local(text):
                 return
         self.asked[kind, text] = None
 
@@ -113,21 +111,16 @@ def _listen() -> None:
     sys.addaudithook(hear)
 
 
-def is_local(file: Path) -> bool:
-    """Whether a file belongs to the user or the library of models, rather than to a package."""
-    ours = (LIBRARY / name for name in ("linkwright", "codegen", "runtime", "generated"))
-    file = file.resolve()
-    return not any(file.is_relative_to(folder) for folder in (*ours, *installed_folders()))
-
-
-def is_local_code(file: str) -> bool:
-    """Whether the file of some code is local; not that of a text that was executed."""
+def is_local(file: str) -> bool:
+    """Whether code is in a file of the user or of a model, none of a package, and no text alone."""
     return not file.startswith("<") and _is_local_folder(os.path.dirname(file))  # noqa: PTH120
 
 
 @cache
-def _is_local_folder(folder: str) -> bool:
-    return is_local(Path(folder, "module.py"))
+def _is_local_folder(name: str) -> bool:
+    ours = (LIBRARY / name for name in ("linkwright", "codegen", "runtime", "generated"))
+    folder = Path(name).resolve()
+    return not any(folder.is_relative_to(place) for place in (*ours, *installed_folders()))
 
 
 def _asker(kind: str = "") -> str:
@@ -139,18 +132,12 @@ def _asker(kind: str = "") -> str:
         return ""  # a search for a module
     while frame is not None:
         code = frame.f_code
-        if is_local_code(code.co_filename):
+        if is_local(code.co_filename):
             return f"{Path(code.co_filename).name}, line {frame.f_lineno}"
         if code.co_name == "<module>" and not code.co_filename.startswith("<"):
             return ""
         frame = frame.f_back
     return ""
-
-
-def _only_writes(mode: Any, flags: Any) -> bool:
-    if isinstance(mode, str):
-        return mode[:1] in ("w", "a", "x") and "+" not in mode
-    return isinstance(flags, int) and flags & (os.O_WRONLY | os.O_RDWR) == os.O_WRONLY
 
 
 def unseen_requests(files: Iterable[Path]) -> Iterator[str]:

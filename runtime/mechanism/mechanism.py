@@ -182,9 +182,8 @@ class Mechanism:
         model, scene = self.need_origin(what).declared()
         if model is None:
             raise AnalysisError(
-                f"{self.title} was declared in another process, whose model could not be pickled, "
-                f"so {what} cannot be built here. Have it built there before, or load the machine "
-                "of a model file."
+                f"{self.title} is of a model in another process that could not be pickled, so "
+                f"{what} cannot be built here. Build it there before, or load a model file."
             )
         return model, scene
 

@@ -27,7 +27,6 @@ from contextlib import suppress
 from functools import lru_cache
 from importlib import import_module, util
 from itertools import chain
-from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -37,7 +36,6 @@ from codegen.object_display import counted
 from codegen.termination_signals import SignalDeferral
 from runtime.core.arrays import Integers, Matrix
 from runtime.machine_facade import Machine
-from runtime.mechanism.mechanism import read_mechanism
 from runtime.progress_bar import bar
 from runtime.sweeps.request import (
     KILLED,
@@ -99,14 +97,9 @@ class Pool:
 
 def pickled_job(machine: Machine, request: Request) -> bytes:
     """What another process needs to make runs; InputError where a function cannot go there."""
-    origin, library = machine.mechanism.origin, "cloudpickle"
-    assert origin is not None
-    place = origin.model if isinstance(origin.model, Path) else origin.path
-    origin = origin._replace(model=place, scene=machine.description.scene)
+    library = "cloudpickle" if util.find_spec("cloudpickle") else "pickle"
     try:
-        if not util.find_spec(library):
-            library = "pickle"
-        return bytes(import_module(library).dumps((request, origin, program_facts())))
+        return bytes(import_module(library).dumps((request, machine, program_facts())))
     except Exception as error:
         raise InputError(
             f"The functions of this sweep cannot be sent to another process ({error}). Define them "
@@ -120,19 +113,17 @@ def _load_job(job: bytes) -> tuple[Machine, Request]:
 
     The processor may differ, as that of a cluster's computers may.
     """
-    request, origin, programs = pickle.loads(job)
+    request, machine, programs = pickle.loads(job)
     changes = [x for x in changed_programs(programs) if not x.startswith(PROCESSOR)]
     if changes:
         raise LinkwrightError(
             f"A worker on {platform.node() or 'another computer'} has other programs than the "
             f"sweep: {'; '.join(changes)}. Install the same ones there, and start it again."
         )
-    machine = Machine(
-        read_mechanism(origin.path, request.generated_module, origin.model, origin.scene)
-    )
+    _ = machine.kernels  # which are loaded now
     if companion_texts(machine, [*request.companions]) != request.companions:
         raise SupersededError(
-            f"The companions of {origin.path} ({', '.join(request.companions)}) have another text "
+            f"The companions of {machine.path} ({', '.join(request.companions)}) have another text "
             "than when the sweep began. Repeat the call of the sweep."
         )
     return machine, request

@@ -131,7 +131,7 @@ def program_facts() -> dict[str, str]:
 
     return {
         "linkwright": __version__,
-        SOURCES: source_hash(("codegen", "runtime")),
+        SOURCES: source_hash("codegen", "runtime"),
         "python": platform.python_version(),
         **{library: version(library) for library in ("llvmlite", "numba", "numpy", "scipy")},
         PROCESSOR: f"{platform.machine()} {processor()[0]}",

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from codegen import build
-from codegen.errors import SupersededError, UnwatchedWarning
+from codegen.errors import SupersededError
 from codegen.files import build_records
 from codegen.files.build_records import unchanged
 from codegen.files.generated_modules import text_hash
@@ -92,7 +92,7 @@ def test_all_that_a_model_asks_for_counts(place: Path, ahead: str, is_watched: b
     sys.modules.pop("numbers_of_it", None)
     __import__("numbers_of_it")  # as a program does, which later edits the file
     with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always", UnwatchedWarning)
+        warnings.simplefilter("always", UserWarning)
         first = _digest(place)
     record = unchanged(place / "generated" / "pendulum__swing.py", first, place / "pendulum.py")
     assert record is not None
@@ -100,7 +100,7 @@ def test_all_that_a_model_asks_for_counts(place: Path, ahead: str, is_watched: b
     assert any("read anew each time" in str(row.message) for row in said) is not is_watched
     assert sys.modules["numbers_of_it"].L == 1.0
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UnwatchedWarning)
+        warnings.simplefilter("ignore", UserWarning)
         assert _digest(place) == first
         _data(0.5)
         constant = "0.0 *" in ahead
