@@ -215,7 +215,7 @@ class Declarations:
                 if when is not None and one.metadata.get("gated"):
                     value = acting_while(value, when)
             elif one.name in ("joints", "connections"):
-                value = MappingProxyType(getattr(self, one.name))
+                value = getattr(self, one.name)  # as it will be, with those declared later
             elif one.name == "on":
                 given_so_far = vars(read).values()
                 value = self._bodies_in(*(v for v in given_so_far if isinstance(v, sympy.Basic)))

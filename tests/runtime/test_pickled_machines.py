@@ -15,6 +15,7 @@ import pytest
 
 from codegen import Model
 from codegen.errors import GeneratedFileError
+from codegen.reading.model_file import read_model
 from runtime import load
 from runtime.machine_facade import Machine
 from runtime.mechanism.mechanism import _arrived
@@ -96,6 +97,14 @@ def test_a_machine_of_a_model_needs_no_file(made: SimpleNamespace, tmp_path: Pat
     np.testing.assert_array_equal(again.q("bob.phi"), made.longer.q("bob.phi"))
     assert run.at(0.2).q("bob.phi")[0] == made.run.q("bob.phi")[-1]
     assert machine.mechanism.reduced.kept.size == 1
+
+
+@pytest.mark.parametrize("name", ["gear_slider", "robot_arm", "film_follower"])
+def test_models_are_pickled(name: str) -> None:
+    model = read_model(name).model
+    there = pickle.loads(pickle.dumps(model))
+    assert list(there.elements) == list(model.elements)
+    assert [*there.scenes] == [*model.scenes]
 
 
 def test_what_is_missing_is_named(tmp_path: Path) -> None:
