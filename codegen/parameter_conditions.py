@@ -11,8 +11,9 @@ SAMPLES = 720  # safety: places on a profile at which its shape is looked at, ev
 ALPHAS = tuple(2 * math.pi * k / SAMPLES for k in range(SAMPLES + 1))
 # accuracy: gap, corner or stop of a profile, in parts of its size, that rounding explains
 TOLERANCE = 1e-9
-# measured: an interval of α in which the tangent turns by more, rad, is divided by 8, so many times
-_TURN, _TIMES = 0.05, 4
+# accuracy: of a corner, rad, and a gap, in parts of a profile's size, that rounding explains
+_CORNER, _GAP = 1e-4, 1e-6
+_TIMES = 4  # measured: how often an interval of α is divided by 8 in which there may be one
 _MOST = 3000  # safety: samples of a profile
 # accuracy: of a roller's radius; a cut that is less deep is one of sampled points
 _CUT = 1e-6
@@ -60,14 +61,15 @@ def violated_conditions(
 
 
 def profile_samples(at: Callable[[float], npt.NDArray[np.float64]]) -> ProfileSamples:
-    """A curve at α = `ALPHAS`, and closer where its tangent turns fast.
+    """A curve at α = `ALPHAS`, and closer where its tangent turns fast, or its pieces meet.
 
     `at` returns x, y and their first and second derivatives for a number α.
     """
     alphas = np.array(ALPHAS)
     points = np.array([at(a) for a in ALPHAS], dtype=np.float64)
     for _ in range(_TIMES):
-        wide = np.flatnonzero(np.abs(_turns(points)) > _TURN)
+        corners, gaps = _jumps(alphas, points)
+        wide = np.flatnonzero((corners > _CORNER) | (gaps > _GAP))
         if not len(wide) or len(alphas) + 7 * len(wide) > _MOST:
             break
         parts = np.linspace(alphas[wide], alphas[wide + 1], 9)[1:-1].T.ravel()
@@ -75,6 +77,23 @@ def profile_samples(at: Callable[[float], npt.NDArray[np.float64]]) -> ProfileSa
         points = np.insert(points, place, np.array([at(float(a)) for a in parts]), axis=0)
         alphas = np.insert(alphas, place, parts)
     return ProfileSamples(alphas, points)
+
+
+def _jumps(
+    alphas: npt.NDArray[np.float64], points: npt.NDArray[np.float64]
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Angles of corners, rad, and gaps in parts of the size, between samples of a profile.
+
+    Turns and ways that the derivatives at both samples do not explain.
+    """
+    points = points / (np.abs(points[:, :2]).max() or 1.0)
+    place, tangent, bend = (points[:, k] + 1j * points[:, k + 1] for k in (0, 2, 4))
+    with np.errstate(all="ignore"):  # other checks are of what is no number, or 0
+        rates = (bend / tangent).imag
+        half = np.diff(alphas) / 2
+        corners = np.abs(np.angle(np.exp(1j * (_turns(points) - half * (rates[1:] + rates[:-1])))))
+        gaps = np.abs(np.diff(place) - half * (tangent[1:] + tangent[:-1]))
+    return np.nan_to_num(corners), np.nan_to_num(gaps)
 
 
 def _turns(points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
@@ -109,14 +128,20 @@ def shape_problems(profile: ProfileSamples, convex: bool) -> Iterator[str]:
     dx, dy, x2, y2 = points.T[2:] / size  # no product overflows, however large it is
     speeds = np.hypot(dx, dy)
     slowest = int(np.argmin(speeds))
-    turns = np.abs(_turns(points))
-    edge = int(np.argmax(turns))
+    turns, (corners, jumps) = np.abs(_turns(points)), _jumps(alphas, points)
+    fine = np.diff(alphas) < 8.0 ** (1 - _TIMES) * ALPHAS[1]
+    edge, jump = (int(np.argmax(np.where(fine, one, 0.0))) for one in (corners, jumps))
     if speeds[slowest] <= TOLERANCE:
         yield (
             f"the profile has a cusp: at α = {alphas[slowest]:.4g} rad its tangent is "
             f"{size * speeds[slowest]:.3g} m per rad; give a smooth profile."
         )
-    elif turns[edge] > _TURN and alphas[edge + 1] - alphas[edge] < 8.0 ** (1 - _TIMES) * ALPHAS[1]:
+    elif fine[jump] and jumps[jump] > _GAP:
+        yield (
+            f"the profile has a gap of {size * jumps[jump]:.3g} m at α = {alphas[jump]:.6g} rad; "
+            "give pieces that meet there."
+        )
+    elif fine[edge] and corners[edge] > _CORNER:
         radius = math.dist(points[edge, :2], points[edge + 1, :2]) / turns[edge]
         yield (
             f"the profile turns by {np.degrees(turns[edge]):.3g}° at α = {alphas[edge]:.6g} rad, "

@@ -152,6 +152,8 @@ class Equations:
             sf.labelled(sf.switches(named), self.labels),
             self.scene.analysis == "dynamics",
         )
+        joints = ((c.name, c.statement) for c in self.constraints)
+        switches += tuple(sf.profile_knots(joints)) if moves else ()
         return replace(
             self,
             effects=effects,

@@ -1,6 +1,7 @@
 """Switching functions of a scene: conditions, frictions that stick, contacts, freewheels."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Literal
@@ -8,12 +9,13 @@ from typing import Literal
 import sympy
 from sympy.core.relational import Relational
 
-from codegen.declare.element import OneWay, Rigid, Sticking
+from codegen.declare.element import OneWay, Rigid, Statement, Sticking
 from codegen.declare.symbols import (
     Acceleration,
     Coordinate,
     Side,
     Velocity,
+    alpha,
     derivative,
     kinds,
     side,
@@ -22,9 +24,12 @@ from codegen.declare.symbols import (
 from codegen.derive.effect_terms import EffectTerms
 from codegen.derive.piecewise_conditions import Boundary, boundary, conditions, switching_function
 from codegen.readers.calls import errors_at
-from codegen.tables.table_function import Interpolant
+from codegen.tables.branches import knots_function
+from codegen.tables.table_function import Interpolant, TableAtom
+from codegen.tables.time_pieces import TimePieces
 
 Named = tuple[str, EffectTerms]
+TURN = 2.0 * math.pi  # formula: after which a profile repeats, rad
 
 
 @dataclass(frozen=True)
@@ -135,6 +140,25 @@ def switches(effects: Sequence[Named]) -> tuple[Switch, ...]:
                     switch, own = others[found[0]], at_zero.of_opposite() if found[1] else at_zero
                     others[found[0]] = replace(switch, boundary=switch.boundary.joined_with(own))
     return (*contacts, *others)
+
+
+def profile_knots(joints: Iterable[tuple[str, Statement]]) -> Iterator[Switch]:
+    """Where pieces of a profile meet at numbers: the steps of a run end, and nothing switches."""
+    for name, statement in joints:
+        found = dict[sympy.Expr, set[float]]()
+        for pieces in sympy.Tuple(*statement.phi).atoms(TimePieces):
+            atom, *values = pieces.args
+            if not atom.repeats:
+                continue
+            at = statement.bindings[dict(zip(atom.symbols, values, strict=True))[alpha]]
+            for g in (c.lhs - c.rhs for c in atom.expression.atoms(Relational)):
+                slope, rest = g.diff(alpha), g.subs(alpha, 0)
+                if slope.is_number and rest.is_number and slope != 0:
+                    found.setdefault(at, {0.0}).add(float(-rest / slope) % TURN)
+        for at, knots in found.items():
+            table = knots_function(name, sorted(knots), TURN)
+            g = Interpolant(TableAtom(table), sympy.S.Zero, at)
+            yield Switch(name, table_text(g), g, rate(g))
 
 
 def labelled(

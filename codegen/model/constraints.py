@@ -39,6 +39,7 @@ from codegen.object_display import counted
 from codegen.readers.values import shown
 from codegen.tables.piecewise_cubic import fit
 from codegen.tables.table_function import FEWEST, TableFunction
+from codegen.tables.time_pieces import PiecesAtom, TimePieces
 
 # accuracy: first and last point of a path that agree to this part of its size are one
 ROUNDING = 1e-9
@@ -351,9 +352,13 @@ class Constraints(Declarations):
         before = len(self.problems)
         x, y = (self._read.value(c, "m", where, profile=True) for c in (curve.x, curve.y))
         shape = sympy.Matrix([x, y]).subs(self.defaults)
+        pieces = shape.has(sympy.Piecewise)
         if len(self.problems) == before:
-            for problem in profile_problems(shape, closed, convex):
+            for problem in profile_problems(shape, closed or pieces, convex):
                 self._note(f"{where}: {problem}")
         if len(self.problems) > before:
             return curve.body.circle(1)  # stands in, so that nothing else is said of it
+        if pieces:
+            atoms = (PiecesAtom(c, repeats=c.has(alpha)) for c in (x, y))
+            x, y = (TimePieces(atom, *atom.symbols) for atom in atoms)
         return Curve(curve.body, x, y, pace(shape))

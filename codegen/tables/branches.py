@@ -36,6 +36,16 @@ class _Piece(NamedTuple):
     rows: tuple[Row, ...]
 
 
+def knots_function(name: str, knots: list[float], period: float) -> Table:
+    """The arches of a function that repeats, whose derivatives jump at these knots of a period."""
+    ends = [*knots, knots[0] + period]
+    if len(knots) % 2:
+        ends += [knot + period for knot in ends[1:]]
+    pieces = [_Piece(a, b, (a,), ()) for a, b in pairwise(ends)]
+    places, arches = _arches(pieces, periodic=True)
+    return Table(name, places, arches, True, smooth=3, kind="linear", role="knots")
+
+
 def range_function(table: Table) -> Table:
     """A parabola that is positive between the ends of a table, with slope one there."""
     row = (0.0, 1.0, -1.0 / table.length, 0.0)

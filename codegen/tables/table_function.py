@@ -18,6 +18,7 @@ from codegen.readers.quantities import UnitError, in_unit, is_quantity, same_dim
 from codegen.readers.values import KindError, plain_float, shown
 from codegen.tables.period import is_angle
 from codegen.tables.piecewise_cubic import Kind, Table
+from codegen.tables.time_pieces import opened
 
 DEGREE = 3
 # formula: the fewest points of each kind; of a periodic table one more, its first point again
@@ -137,7 +138,7 @@ def plain_function(
     symbols: Iterable[sympy.Symbol], expressions: Any
 ) -> Callable[[Iterable[float]], npt.NDArray[np.float64]]:
     """Expressions in nested lists as a function of numbers; nan where one has no value."""
-    every = [*sympy.flatten(expressions)]
+    every = [opened(e) for e in sympy.flatten(expressions)]
     shape = np.shape(expressions)
     tables = {str(a): a.table for e in every for a in e.atoms(TableAtom)}
     tables["Interpolant"] = lambda table, order, at: table(at, order)

@@ -1,4 +1,4 @@
-"""Functions of time by pieces, closed to SymPy: in places that move, and in gaps.
+"""Functions by pieces, closed to SymPy: of the time in places and gaps, of the angle in profiles.
 
 SymPy writes the pieces of what stands in a condition out into conditions of its own, and gives a
 kink a derivative with Dirac's delta. A gap stands in the condition of its contact.
@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy
 
-from codegen.declare.symbols import Parameter, Time, derivative
+from codegen.declare.symbols import Parameter, Time, alpha, derivative
 
 _PIECES = (
     *(sympy.Piecewise, sympy.Abs, sympy.Max, sympy.Min, sympy.sign, sympy.Heaviside),
@@ -17,37 +17,52 @@ _PIECES = (
 
 
 class PiecesAtom(sympy.Atom):  # type: ignore[misc]
-    """A function of time by pieces, and its symbols."""
+    """A function by pieces, and its symbols; one of the angle `alpha` may repeat at each turn."""
 
-    __slots__ = ("expression", "symbols")
+    __slots__ = ("expression", "repeats", "symbols")
 
-    def __new__(cls, expression: sympy.Expr) -> "PiecesAtom":
-        """Wrap an expression of time and parameters."""
+    def __new__(cls, expression: sympy.Expr, repeats: bool = False) -> "PiecesAtom":
+        """Wrap an expression of time and parameters, or of `alpha` and parameters."""
         atom: PiecesAtom = super().__new__(cls)
-        atom.expression = expression
+        atom.expression, atom.repeats = expression, repeats
         atom.symbols = tuple(sorted(expression.free_symbols, key=str))
         return atom
 
-    def _hashable_content(self) -> tuple[sympy.Expr]:
-        return (self.expression,)
+    def _hashable_content(self) -> tuple[sympy.Expr, bool]:
+        return self.expression, self.repeats
 
     def _sympystr(self, printer: Any) -> str:
         return str(printer._print(self.expression))
 
+    def at(self, values: dict[sympy.Symbol, sympy.Expr]) -> sympy.Expr:
+        """The function at the `values` of its symbols, closed to SymPy."""
+        return TimePieces(self, *(values[symbol] for symbol in self.symbols))
+
 
 class TimePieces(sympy.Function):  # type: ignore[misc]
-    """A function of time by pieces at its symbols: arguments are the atom, and they."""
+    """A function by pieces at its symbols: arguments are the atom, and they."""
 
     is_real = True
 
     @property
     def expression(self) -> sympy.Expr:
         """The function as it was written."""
-        atom, *symbols = self.args
-        return atom.expression.xreplace(dict(zip(atom.symbols, symbols, strict=True)))
+        atom, *values = self.args
+        of = dict(zip(atom.symbols, values, strict=True))
+        if atom.repeats:
+            of[alpha] -= 2 * sympy.pi * sympy.floor(of[alpha] / (2 * sympy.pi))
+        return atom.expression.xreplace(of)
 
     def _eval_derivative(self, symbol: sympy.Symbol) -> sympy.Expr:
-        return closed(derivative(_spelled_out(self.expression), symbol))
+        atom, *values = self.args
+        of, terms = dict(zip(atom.symbols, values, strict=True)), []
+        for own, value in of.items():
+            if (inner := derivative(value, symbol)) != 0:
+                slope = derivative(_spelled_out(atom.expression), own)
+                closes = atom.repeats or slope.has(*_PIECES)
+                part = PiecesAtom(slope, atom.repeats).at(of) if closes else slope.xreplace(of)
+                terms.append(inner * part)
+        return sympy.Add(*terms)
 
     def _sympystr(self, printer: Any) -> str:
         return str(printer._print(self.expression))
@@ -61,6 +76,11 @@ def closed(expression: sympy.Expr) -> sympy.Expr:
         atom = PiecesAtom(expression)
         return TimePieces(atom, *atom.symbols)
     return expression.func(*map(closed, expression.args))
+
+
+def opened(expression: sympy.Basic) -> Any:
+    """The expression with such functions as they were written."""
+    return expression.replace(lambda e: isinstance(e, TimePieces), lambda e: e.expression)
 
 
 def _spelled_out(expression: sympy.Expr) -> sympy.Expr:

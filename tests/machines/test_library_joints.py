@@ -5,10 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import sympy
 from numpy.testing import assert_allclose
 from sympy import sin
 
-from codegen import Model, t
+from codegen import Model, alpha, t
 from runtime import Outcome, Result, load
 
 INSTANTS = np.linspace(0.0, 2.0, 81)
@@ -88,6 +89,42 @@ def test_a_welded_wheel_turns_like_one_on_a_locked_bearing(tmp_path: Path, held:
     assert_allclose(angles[1], angles[0], atol=1e-9)
     rates = [angle[2] - angle[0] for angle in angles[1][:3]]
     assert_allclose(0.2 * (rates[0] - rates[2]), -0.4 * (rates[1] - rates[2]), atol=1e-9)
+
+
+@pytest.mark.parametrize("jerky", [False, True])
+def test_a_cam_in_pieces_of_the_angle_keeps_its_energy(tmp_path: Path, jerky: bool) -> None:
+    """ω follows from the energy; where pieces meet, the acceleration bends, or jumps, and no event.
+
+    Profile R + h s(α), rise and return over 1.4 rad each, by a cycloid or by parabolas.
+    """
+    b, h, back = 1.4, 0.01, 2.5
+
+    def rise(u: sympy.Expr) -> list[tuple[sympy.Expr, float]]:
+        if jerky:
+            return [(2 * u**2, 0.5), (1 - 2 * (1 - u) ** 2, 1.0)]
+        return [(u - sin(2 * sympy.pi * u) / (2 * sympy.pi), 1.0)]
+
+    up, down = rise(alpha / b), rise((alpha - back) / b)
+    lifts = [*((s, alpha < part * b) for s, part in up), (1, alpha < back)]
+    lifts += [(1 - s, alpha < back + part * b) for s, part in down]
+    radius = sympy.Piecewise(*((0.04 + h * s, c) for s, c in lifts), (0.04, True))
+    model = Model("pieces", gravity=(-9.81, 0.0))
+    cam = model.body("cam", mass=1.0, inertia=0.01)
+    pin = model.body("pin", mass=0.3, inertia=1e-4)
+    model.revolute("O", model.ground.at(0, 0), cam)
+    model.translational("guide", model.ground, pin)
+    model.point_follower("touch", cam.polar(radius), pin.at(0, 0))
+    start = {cam.phi: 0.0, cam.omega: -20.0}
+    model.scene("run", ["gravity"], start=start, guess={pin.x: 0.04})
+    run = sound(load(model, folder=tmp_path).simulate(1.0, 101, rtol=1e-9))
+    at = np.mod(-run.q("cam.phi"), 2 * pi)
+    assert run.q("cam.phi")[-1] < -6 * pi
+    assert not run.events
+    lift, slope = (sympy.lambdify(alpha, e)(at) for e in (radius, radius.diff(alpha)))
+    assert_allclose(run.q("pin.x"), lift, atol=1e-12)
+    energy = 0.005 * 400 + 0.3 * 9.81 * 0.04
+    exact = np.sqrt(2 * (energy - 0.3 * 9.81 * lift) / (0.01 + 0.3 * slope**2))
+    assert_allclose(-run.v("cam.omega"), exact, rtol=1e-8)
 
 
 def test_rack_swings_on_a_spring_with_its_pinion(tmp_path: Path) -> None:
