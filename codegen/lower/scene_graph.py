@@ -186,7 +186,7 @@ class SceneGraph:
                 if (terms.loads or terms.pulls) and effect.name not in workless:
                     self.powers.append((effect.name, power))
                 asked = outputs & {f"{word}{of}" for word in ("power", "work") for of in ending}
-                if asked and effect.name not in states:
+                if asked and effect.name not in states and terms.watched is None:
                     stored = self.moving.jet(energy).first.value()
                     self.working[effect.name] = graph.sub(power, stored)
                 for part, unit, value in terms.reported:

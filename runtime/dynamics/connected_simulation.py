@@ -36,8 +36,6 @@ from runtime.validation.arguments import parameter_values, uniform
 _MOST = 10_000  # safety: changes of joints in a run
 _AT_ONCE = 16  # safety: changes of joints at one instant, each that of all that come or go
 _IN_A_ROW, _SHORT = 64, 1e-5  # safety: so many changes within that part of a run have no end
-# accuracy: of the machine's lengths; a contact with a gap below it is closed
-_TOUCHING = 1e-9
 _CLOSED = 1e-6  # safety: of the size of its equation; a joint further open does not engage
 _TABLES = (
     "coordinates", "constraints", "parameters", "effects", "switches", "reactions", "powers"
@@ -180,7 +178,7 @@ def cross(
         _require_closed(equations, engaged, t, q, end.length)
         rest = v
         try:
-            v, multipliers, work = impact(equations, t, q, rest, _TOUCHING * end.length)
+            v, multipliers, work = impact(equations, t, q, rest, end.length)
         except Contradiction as found:
             where = f"{_what_changes(end)}, and {found}"
             raise Gap(f"{where}. Choose another instant, or release it.") from None

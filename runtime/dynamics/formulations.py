@@ -175,11 +175,18 @@ class ReducedCoordinates(Coordinates):
 def formulate(
     ready: PreparedSimulation, formulation: Formulation, method: str, correction: Correction
 ) -> Coordinates:
-    """The coordinates of a formulation; InputError if it does not exist or suit this machine."""
+    """The coordinates of a formulation; InputError if it does not exist or suit this machine.
+
+    A run that goes on with other joints, which reduced coordinates do not suit, is in all of them.
+    """
     if formulation not in FORMULATIONS:
         raise InputError(f"formulation = {formulation!r} must be one of {', '.join(FORMULATIONS)}.")
     if formulation == "reduced":
-        return ReducedCoordinates(ready, correction)
+        try:
+            return ReducedCoordinates(ready, correction)
+        except InputError:
+            if ready.given_length is None:
+                raise
     return CartesianCoordinates(ready, method, correction)
 
 

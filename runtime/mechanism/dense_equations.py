@@ -272,8 +272,10 @@ def row_lengths(matrix: FloatArray) -> FloatArray:
     return np.where(lengths == 0.0, 1.0, lengths)
 
 
-_EXACT = 1e-12  # accuracy: of the fastest approach; slower ones are none
-_REACHED = 1e-9  # accuracy: of the fastest approach; velocities that miss their conditions by more
+_EXACT = 1e-12  # accuracy: of the largest rates that velocities give; slower approaches are none
+_REACHED = 1e-9  # accuracy: of the same; velocities that miss their conditions by more
+_SLOW = 1e-3  # safety: sizes a second; of what rests but for rounding
+_TOUCHING = 1e-9  # accuracy: of the machine's lengths; a contact with a gap below it is closed
 
 
 class Contradiction(Exception):  # noqa: N818 (it is caught where joints engage)
@@ -297,14 +299,14 @@ def approaches(equations: Equations, t: float, q: FloatArray, v: FloatArray) -> 
 
 
 def impact(
-    equations: Equations, t: float, q: FloatArray, v: FloatArray, band: float
+    equations: Equations, t: float, q: FloatArray, v: FloatArray, length: float
 ) -> tuple[FloatArray, FloatArray, float]:
     """Velocities behind an impact, (n,), the impulses Λ of the joints, (m,), and a work, J.
 
     That is the work of the impulses at drivers and moving places, at the rates of these.
 
     M Δv + Φ_qᵀ Λ = Gᵀ P, Φ_q v⁺ = ν, P ≥ 0, G v⁺ ≥ 0, one of the two an equality, with the rates
-    of gaps no wider than `band`, m or rad, and the slips of freewheels. Contacts that approach each
+    of gaps that are closed, by the machine's `length`, m, and the slips of freewheels. Contacts that approach each
     other in that very instant rebound, ġ⁺ ≥ -e ġ⁻. Of all velocities that the conditions permit
     these are the nearest to those that the joints alone would leave, by the kinetic energy of the
     difference: C. L. Lawson and R. J. Hanson, Solving Least Squares Problems (1974), chapter 23.
@@ -319,7 +321,7 @@ def impact(
     work = float(-multipliers @ rates)
     system, before = equations.mechanism.system, approaches(equations, t, q, v)
     gaps = equations.switching(t, q, v)
-    contacts = [k for k in system.rigid if gaps[k] <= band]
+    contacts = [k for k in system.rigid if gaps[k] <= _TOUCHING * length]
     held = np.array([*contacts, *system.one_way], dtype=np.int64)
     if not len(held):
         return alone, multipliers, work
@@ -329,10 +331,12 @@ def impact(
     target[list(system.rigid)] = -restitution * np.minimum(before[list(system.rigid)], 0.0)
     after = approaches(equations, t, q, alone)
     missing = (target - after)[held]
-    fastest = float(np.abs([before[held], after[held]]).max())
+    rows, scale = rate_rows(equations, t, q)[held], equations.scale(length)
+    pace = np.maximum(np.abs(v), np.abs(alone)) / scale
+    pace[[row.column for row in equations.description.states]] = 0.0
+    fastest = float((np.abs(rows) @ scale).max() * max(pace.max(), _SLOW))
     if missing.max() <= _EXACT * fastest:
         return alone, multipliers, work
-    rows = rate_rows(equations, t, q)[held]
     change, forces = equations.responses(t, q, rows.T, np.zeros((equations.m, len(held))))
     try:
         pushes = _pushes(equations.mass(q), change, rows @ change, missing)

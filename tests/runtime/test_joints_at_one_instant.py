@@ -57,6 +57,18 @@ def test_a_bar_swaps_its_pin(workshop: Path, first: str) -> None:
         assert r.reconnections[0].action == first
 
 
+def test_reduced_coordinates_past_a_set_that_they_do_not_suit(workshop: Path) -> None:
+    """With the lock nothing is left to integrate, which is so in all coordinates alone."""
+    model = Model("locked_between")
+    (a,) = on_rails(model, a=1.0)
+    model.engage(model.constraint("lock", a.x - 1), when=a.x > 1, until=t > 2)
+    model.force("push", a, fx=3.0)
+    model.scene("go", ["push"], start={a.x: 0.0, a.vx: 1.0})
+    r = load(model, folder=workshop).simulate(3.0, formulation="reduced")
+    assert r.outcome is Outcome.OK
+    assert_allclose([r.at(1.5).q("a.x")[0], r.q("a.x")[-1]], [1.0, 2.5], rtol=1e-9)
+
+
 def handed_over(order: str, released: float = 1.0) -> Model:
     """A block stands locked until a driven cart reaches it, and rides with the cart from there."""
     model = Model(f"handed_over_{order}_{released * 10:g}")
@@ -153,6 +165,16 @@ def test_a_run_whose_time_ends_at_a_change_goes_on_with_it(workshop: Path) -> No
 
 
 @pytest.mark.parametrize("by", ["driver", "place"])
+def test_a_moving_place_that_lets_go_again_does_work(workshop: Path) -> None:
+    model = Model("place_until")
+    (b,) = on_rails(model, b=1.0)
+    model.engage(model.constraint("hook", b.x - 2 * t), when=t > 0.25, until=t > 0.75)
+    model.force("push", b, fx=1.0, when=t > 0.25)
+    model.scene("go", ["push"], start={b.x: 0.5, b.vx: 0.0}, outputs="all")
+    r = load(model, folder=workshop).simulate(1.0)
+    assert_allclose(r.works["hook"][-1], -1.0, rtol=1e-9)
+
+
 def test_the_energy_of_an_impact_with_what_is_driven(workshop: Path, by: str) -> None:
     """What moves at 2 m/s catches 1 kg that rests: it does 4 J of work, of which 2 J are lost."""
     model = Model(f"caught_by_{by}")
