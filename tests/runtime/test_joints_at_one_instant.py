@@ -164,7 +164,6 @@ def test_a_run_whose_time_ends_at_a_change_goes_on_with_it(workshop: Path) -> No
             assert_allclose(then.v("b.vx")[-1], 4 / 3, rtol=1e-12)
 
 
-@pytest.mark.parametrize("by", ["driver", "place"])
 def test_a_moving_place_that_lets_go_again_does_work(workshop: Path) -> None:
     model = Model("place_until")
     (b,) = on_rails(model, b=1.0)
@@ -175,6 +174,7 @@ def test_a_moving_place_that_lets_go_again_does_work(workshop: Path) -> None:
     assert_allclose(r.works["hook"][-1], -1.0, rtol=1e-9)
 
 
+@pytest.mark.parametrize("by", ["driver", "place"])
 def test_the_energy_of_an_impact_with_what_is_driven(workshop: Path, by: str) -> None:
     """What moves at 2 m/s catches 1 kg that rests: it does 4 J of work, of which 2 J are lost."""
     model = Model(f"caught_by_{by}")
