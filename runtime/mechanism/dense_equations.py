@@ -308,8 +308,9 @@ def impact(
     M Δv + Φ_qᵀ Λ = Gᵀ P, Φ_q v⁺ = ν, P ≥ 0, G v⁺ ≥ 0, one of the two an equality, with the rates
     of gaps that are closed, by the machine's `length`, m, and the slips of freewheels. Contacts
     that approach each other in that very instant rebound, ġ⁺ ≥ -e ġ⁻. Of all velocities that the
-    conditions permit these are the nearest to those that the joints alone would leave, by the kinetic energy of the
-    difference: C. L. Lawson and R. J. Hanson, Solving Least Squares Problems (1974), chapter 23.
+    conditions permit these are the nearest to those that the joints alone would leave, by the
+    kinetic energy of the difference: C. L. Lawson and R. J. Hanson, Solving Least Squares Problems
+    (1974), chapter 23.
 
     Raises
     ------
