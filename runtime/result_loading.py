@@ -15,7 +15,7 @@ from codegen.files.generated_modules import content_hash
 from codegen.readers import arguments as readers
 from codegen.readers.values import one_line
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.connected_simulation import joined
+from runtime.dynamics.joined_runs import joined
 from runtime.dynamics.motion_at_instants import SimulatedMotion, simulated_again, start_again
 from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prescribed_motion import DrivenMotionAtInstants

@@ -16,14 +16,9 @@ import numpy as np
 from codegen.errors import AnalysisError, InputError
 from codegen.readers.arguments import count, flag, number, optional, read_arguments
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.connected_simulation import (
-    Change,
-    JoinedMotion,
-    follow,
-    joined,
-    known_parameters,
-)
+from runtime.dynamics.connected_simulation import follow, known_parameters
 from runtime.dynamics.formulations import formulate
+from runtime.dynamics.joined_runs import Change, JoinedMotion, joined
 from runtime.dynamics.motion_at_instants import SAVED, SimulatedMotion
 from runtime.dynamics.output_conditions import run_until
 from runtime.dynamics.prepared_simulation import PreparedSimulation, discrete_state
