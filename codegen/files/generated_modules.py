@@ -134,7 +134,7 @@ def import_generated(path: Path, digest: str | None = None, text: str | None = N
         actual = text_hash(text)
         if digest not in (None, actual):
             raise SupersededError(f"{path} was replaced while it was being loaded; load it again.")
-        name = module_name(path, text)
+        name = _name(path, actual)
         loaded: Any = sys.modules.get(name)
         if loaded is not None and loaded.__loader__.path == str(path):
             return loaded  # type: ignore[no-any-return]
@@ -145,11 +145,6 @@ def loaded_text(path: Path, digest: str) -> str | None:
     """The text of a generated file that this process has imported; None if it has not."""
     module: Any = sys.modules.get(_name(path, digest))
     return None if module is None else module.__loader__.text
-
-
-def module_name(path: Path, text: str) -> str:
-    """The name of the module that a generated file is imported as."""
-    return _name(path, text_hash(text))
 
 
 def _name(path: Path, digest: str) -> str:

@@ -8,6 +8,7 @@ When joints come or go, the run goes on in another scene, whose module is found 
 or built.
 """
 
+import pickle
 from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -179,7 +180,10 @@ class Mechanism:
 
     def declared(self, what: str) -> "tuple[Path | Model, str | Scene]":
         """Model and scene, from which `what` is built; AnalysisError where none is known here."""
-        model, scene = self.need_origin(what).declared()
+        origin = self.need_origin(what)
+        if not isinstance(origin.model, bytes):
+            return origin.model, origin.scene
+        model, scene = pickle.loads(origin.model)
         if model is None:
             raise AnalysisError(
                 f"{self.title} is of a model in another process that could not be pickled, so "

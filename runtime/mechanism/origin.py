@@ -53,13 +53,6 @@ class Origin(NamedTuple):
         check_signature(place, text, self.command(kind))
         return text if of_this_generator(place, text_hash(text)) else None
 
-    def declared(self) -> "tuple[Path | Model, str | Scene]":
-        """The model and the scene, from which something can be built."""
-        if not isinstance(self.model, bytes):
-            return self.model, self.scene
-        model, scene = pickle.loads(self.model)
-        return model, scene
-
     def portable(self) -> "Origin":
         """As another process takes it, with texts where no file is sure to have them there."""
         if isinstance(self.model, bytes):
