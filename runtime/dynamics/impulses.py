@@ -4,6 +4,7 @@ M Δv + Φ_qᵀ Λ = 0, Φ_q Δv = ν⁺ - ν⁻: straight lines as a law of mot
 """
 
 from collections.abc import Iterable
+from itertools import compress
 
 import numpy as np
 
@@ -24,18 +25,14 @@ def with_impulses(
 
     The sentence is empty where no rate jumps.
     """
-    description, found = equations.description, list[Event]()
+    description, found = equations.description, [*events]
     titles = {function.title for function in description.time_functions}
-    jumps = list[Event]()
-    for event in events:
-        jumped = event
-        if event.direction == Direction.IMPACT and event.name in titles:
-            if description.has_masses:
-                jumped = event._replace(impulse=_impulses(equations, event, latest))
-            jumps.append(jumped)
-        found.append(jumped)
+    jumped = [e.direction == Direction.IMPACT and e.name in titles for e in found]
+    jumps = [*compress(found, jumped)]
     if not jumps:
         return tuple(found), ""
+    for k in np.flatnonzero(jumped) if description.has_masses else ():
+        found[k] = found[k]._replace(impulse=_impulses(equations, found[k], latest))
     times = ", ".join(f"{event.time:.6g}" for event in jumps[:_MOST])
     more = ", …" if len(jumps) > _MOST else ""
     names = " and ".join(f"'{name}'" for name in dict.fromkeys(event.element for event in jumps))

@@ -52,7 +52,8 @@ COMPILER = {
         "codegen.parameter_conditions",
         "codegen.termination_signals",
     ),
-    "codegen.files.generated_modules",
+    *("codegen.files.build_records", "codegen.files.generated_modules"),
+    "codegen.files.whole_files",
     *(
         "codegen.machine_code",
         "codegen.machine_code.code_folders",
