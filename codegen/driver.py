@@ -157,8 +157,7 @@ def _emit(
 ) -> list[tuple[FileReport, str]]:  # fmt: skip
     """The file of a scene and its text, then those companions that are requested or exist."""
     path = generated_path(folder, file.stem, equations, settings)
-    before: Any = unroll_of(path)
-    how: Unroll = unroll or before
+    how: Any = unroll or unroll_of(path)  # a damaged file is replaced where a choice is given
     with clock("emit"):
         provenance = origin(GENERATOR, file, equations, path, settings, unroll=how)
         text = module_text(lowered, provenance)

@@ -5,6 +5,7 @@ import hashlib
 import importlib.util
 import os
 import sys
+import threading
 import traceback
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -27,8 +28,9 @@ _IN_USE = {
     *("netCDF4", "numba", "numpy", "pandas", "pint", "pyarrow", "pydantic", "rich", "scipy"),
     *("sympy", "typer", "xarray"),
 }
-_KEPT = {"__main__", *sys.stdlib_module_names, *_IN_USE}
+_KEPT = {"__main__", "__mp_main__", *sys.stdlib_module_names, *_IN_USE}
 """Modules that a file beside a model file does not replace."""
+_one_at_a_time = threading.RLock()  # what a model asks for is noted for the whole process
 
 
 @dataclass(frozen=True)
@@ -118,7 +120,7 @@ def _execute(path: Path) -> tuple[dict[str, object], list[Path], Watch]:
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     try:
-        with _fresh_imports(path.parent), contextlib.redirect_stdout(sys.stderr):
+        with _one_at_a_time, _fresh_imports(path.parent), contextlib.redirect_stdout(sys.stderr):
             with watched() as watch:
                 spec.loader.exec_module(module)
             modules = [module for _, module in sorted(_modules_of_user().items())]

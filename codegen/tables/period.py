@@ -7,7 +7,7 @@ import sympy
 from codegen.declare.symbols import Coordinate, alpha
 
 # accuracy: of a last abscissa from the end of the period, in parts of the last step; it is that end
-_SAME = 0.1
+_SAME = 0.01
 _ROUNDED = 1e-5  # accuracy: of a number of turns, in parts of it; five digits of π explain it
 # safety: turns; a longer period of an angle is one in degrees: 710 of them are 113 turns, nearly
 _MOST = 50

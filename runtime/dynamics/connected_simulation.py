@@ -185,8 +185,9 @@ def cross(
 
 def _what_changes(end: Ending) -> str:
     """Which joints are to come or go, and when."""
-    t, joints = end.state.t, [f"'{row.target}' is to {row.action}" for row in end.rows]
-    return f"Joint {' and '.join(joints)} at t = {t:.9g} s".replace("release", "be released")
+    words = {"engage": "engage", "release": "be released"}
+    joints = [f"'{row.target}' is to {words[row.action]}" for row in end.rows]
+    return f"Joint {' and '.join(joints)} at t = {end.state.t:.9g} s"
 
 
 def known_parameters(mechanism: Mechanism, parameters: Values) -> dict[str, float]:

@@ -101,8 +101,10 @@ def replace_samples(context: Context) -> None:
     """Give the samples of the results at this instant the values that were renewed."""
     r = run_record(context)
     last = r.samples - 1
-    if r.every_step == QUADRATURE and last >= 0 and context.out_times[last] == r.t:
+    earliest = r.t - CLOCK * abs(r.t)
+    while r.every_step == QUADRATURE and last >= 0 and context.out_times[last] >= earliest:
         copy_vector(row_of(context, Y0), context.out_states[last])
+        last -= 1
     while r.every_step == INSTANTS and r.next_sample < context[ft.SAMPLE_TIMES]:
         at = context.sample_times[r.next_sample]
         if at > r.t + CLOCK * abs(r.t):

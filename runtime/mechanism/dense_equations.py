@@ -84,10 +84,10 @@ class Equations:
 
     @property
     def is_scleronomic(self) -> bool:
-        """Whether no constraint depends on time: ν has no operations, and is zero for any p."""
+        """Whether no constraint depends on time: ν has no operations, and is zero always."""
         still = not dict(self.description.operations).get("velocity_rhs")
         zeros, ones = np.zeros(self.n), np.ones(len(self.p))
-        return still and not _filled(self.m, self.kernels.velocity_rhs, 0.0, zeros, ones).any()
+        return still and not _filled(self.m, self.kernels.velocity_rhs, 1.0, zeros, ones).any()
 
     def acceleration_rhs(self, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
         """γ, shape (m,)."""

@@ -200,6 +200,13 @@ def test_the_last_row_is_that_of_a_longer_run(
         assert one.resume(2 * end, [2 * end]).y("count") == further.y("count")
 
 
+def test_rows_of_a_run_whose_works_are_asked_for(counter: Callable[[str], Machine]) -> None:
+    """An instant that rounding puts before a sample has the value of that sample, as without."""
+    instants = np.linspace(0.0, 0.7, 8)
+    pushed = counter("own").simulate(0.7, instants, controllers={"own": lambda sample: sample.t})
+    np.testing.assert_allclose(pushed.y("own"), instants)
+
+
 @pytest.mark.parametrize("delay", [0.05, 0.33])
 @pytest.mark.parametrize("instant", [0.52, 0.5, 0.55, 0.6, 0.0])
 def test_samples_that_wait_go_on_from_a_state(

@@ -165,7 +165,7 @@ def test_scene_with_nothing_left_to_integrate(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "law", [0.1 * (1 - cos(2 * t)), t**3, Piecewise((0, t < 1), ((t - 1) ** 2, True))]
+    "law", [0.1 * (1 - cos(2 * t)), t**2 / 2, t**3, Piecewise((0, t < 1), ((t - 1) ** 2, True))]
 )
 def test_a_law_in_a_constraint_moves_a_machine_that_it_begins_at_rest(
     folder: Path, law: Expr
