@@ -219,7 +219,7 @@ def _kinks_of(node: sympy.Basic, phi: sympy.Expr) -> Iterator[tuple[sympy.Expr, 
     if isinstance(node, sympy.Pow) and node.exp.is_number and 0 < node.exp < 1:
         if not node.base.is_nonnegative or node.exp < half:
             yield node.base, "steep"
-        elif node.exp == half:  # of s², where s goes through 0: |s|; others have no jump of a slope
+        elif node.exp == half and not _is_gentle(node, phi):
             yield node.base, "root"
     elif isinstance(node, sympy.asin | sympy.acos):
         yield 1 - node.args[0] ** 2, "end"
@@ -228,6 +228,24 @@ def _kinks_of(node: sympy.Basic, phi: sympy.Expr) -> Iterator[tuple[sympy.Expr, 
         if phi.xreplace({node: node + 2 * sympy.pi}) != phi:  # else turns do not count
             yield sympy.cos(node / 2) ** 2, "cut"
         yield x**2 + y**2, "origin"
+
+
+def _is_gentle(root: sympy.Pow, phi: sympy.Expr) -> bool:
+    """Whether Φ has a continuous slope where sums of squares vanish under a root.
+
+    All are fourth powers there, or the factor of the root in Φ's differential vanishes with them.
+    """
+    size = sympy.Dummy()
+    factor = phi.xreplace({root: size}).diff(size).xreplace({size: sympy.S.Zero})
+    terms = sympy.Add.make_args(root.base)
+    powers = [term.as_coeff_Mul()[1].as_base_exp() for term in terms]
+    if all(exponent >= 4 for base, exponent in powers if base.has(Coordinate)):
+        return True
+    for base, _ in powers:
+        factor = factor.subs(base, 0)
+        for s in [s for s in base.atoms(Coordinate) if base.diff(s).is_number][:1]:
+            factor = factor.subs(s, s - base / base.diff(s))
+    return bool(factor.expand() == 0)
 
 
 def _functions(element: str, expression: sympy.Basic) -> Iterator[PeakedFunction]:

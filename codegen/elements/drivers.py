@@ -175,7 +175,7 @@ class DistanceDriver(Driver):
 
     Haug squares both sides. Here the distance itself is driven, so that the multiplier is a force,
     and a law below 0 has no solution instead of that of its opposite. Where C reaches 0 the two
-    points meet, the direction between them is lost and the machine locks; a stroke that passes
+    points meet, the direction between them is lost and the motion ends; a stroke that passes
     through 0 is one of `TranslationDriver` or `RelativeDriver`.
 
     The reaction is the force on body j away from point i, N; body i gets the opposite: positive

@@ -224,8 +224,8 @@ class Constraints(Declarations):
     def constraint(self, name: str, *phi: Any) -> Constraint:
         """Plain equations: each expression of coordinates, parameters and t is kept at zero.
 
-        They are smooth in the coordinates. A motion that comes to a root at 0, to an end of asin or
-        acos, or to the cut of atan2 ends there by name.
+        They are smooth in the coordinates. A motion that comes to a root at 0 where the slope
+        jumps, to an end of asin or acos, to the cut of atan2, or to a pole ends there by name.
         """
         equations = tuple(self._value(e, "", f"constraint '{name}'") for e in phi)
         return self._declare(ExpressionConstraint(name, equations, self._bodies_in(*equations)))

@@ -26,6 +26,7 @@ from runtime.continuation.bifurcation_branches import (
 from runtime.continuation.predictor_corrector import (
     ARRIVED,
     DONE,
+    STEEP,
     SUSPECT,
     ContinuationState,
     DrivenMotion,
@@ -86,15 +87,17 @@ class Continuation(ContinuationState):
 
     def _run(self, progress: Progress, signals: SignalDeferral) -> tuple[Outcome, str]:
         farthest, idle = (-1, 0.0), 0
+        steepest = self._steepest()
         while not self.finished:
             if signals.arrived:
                 signals.answered, outcome = True, Outcome.INTERRUPTED
                 text = f"Stopped at t = {self.t:.9g} s. {outcome.meaning} {outcome.advice}"
                 return outcome, text
-            status = self.advance()
+            done, status = self.mark, self.advance()
             progress(abs(self.t - self.began) / self.span)
             taken = int(self.record.steps + self.record.rejected)
-            if taken >= _MOST_STEPS and not self.finished:
+            soaring = status == DONE and done == self.mark and self._steepest() > STEEP * steepest
+            if (taken >= _MOST_STEPS or soaring) and not self.finished:
                 return Outcome.MAX_STEPS, self._too_far(taken)
             if status == DONE:
                 continue
@@ -111,6 +114,9 @@ class Continuation(ContinuationState):
             if ended is not None:
                 return ended
         return Outcome.OK, ""
+
+    def _steepest(self) -> float:
+        return float(np.abs(self.equations.slopes(self.t, self.q)).max(initial=0.0))
 
     def _judge(self, suspect: bool) -> tuple[Outcome, str] | None:
         """Find why the predictor-corrector stopped, and continue; or return the end of the run."""

@@ -47,6 +47,8 @@ _MARGIN = 0.5
 _POOR = 0.5  # measured: of the smallest pivots at both ends; a smaller one in between is suspicious
 _GOOD = 0.05  # measured: smallest pivot of a state to which the continuation may return
 
+STEEP = 1e6  # safety: growth of a slope of Phi since the start, from which on it has no bound
+
 # The record that a continuation keeps. t: instant of the state; barrier: instant to stop at, or not
 # a number; travel: scaled motion since pivots were compared; least: the smallest then, negative
 # where they are to be computed first; best: the largest of these since the continuation began or

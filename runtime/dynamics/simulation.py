@@ -135,7 +135,7 @@ def run_prepared(
     works = works and bool(equations.description.work_rows)
     if works or run is None:
         run = ready.run(coordinates, replace(options, quadrature=works), progress)
-    run = end_at_kink(equations, run, ready.t_end - begin.t)
+    run = end_at_kink(equations, begin, run, ready.t_end - begin.t)
     run = end_at_jam(equations, run, ready.t_end - begin.t)
     result = _result(equations, run, ready, began, samples)
     result._mechanism = equations.mechanism

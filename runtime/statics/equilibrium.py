@@ -15,6 +15,7 @@ from runtime.assembly.assemble import assemble
 from runtime.assembly.redundancy import redundancy_note, suited_equations
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.checks.finite_results import end_before_infinite
+from runtime.dynamics.checks.kinks import kink_at_rest
 from runtime.dynamics.output_quantities import evaluate
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism import Mechanism, Values
@@ -229,7 +230,9 @@ def equilibrium(
     if states is not None and position.balanced:
         message = _states_message(equations, states, position)
     else:
-        message = _message(description, position, judged, ran)
+        kink = "" if position.balanced else kink_at_rest(equations, start, end)
+        text = f"No equilibrium found. {kink}"
+        message = text if kink else _message(description, position, judged, ran)
     result = Equilibrium(
         description, samples, p, judged=judged, statics=statics, position=position,
         outcome=Outcome.OK if position.balanced and at_rest else Outcome.UNBALANCED,

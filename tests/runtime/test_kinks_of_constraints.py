@@ -136,3 +136,85 @@ def test_a_guess_without_a_slope_is_left_and_a_start_is_refused(workshop: Path) 
     np.testing.assert_allclose(np.hypot(result.q("p.x"), result.q("p.y")), 1.0, atol=1e-9)
     with pytest.raises(AssemblyError, match="Φ_q of constraint 'rope' is nan"):
         load(model, "fixed", folder=workshop).simulate(1.0)
+
+
+X, EPS = sp.symbols("x eps")
+GENTLE = {  # y(x), and y'(x)
+    "product": (X * sp.sqrt(X**2 + EPS**2) / 2, np.abs),
+    "shifted": ((X + 0.3) * sp.sqrt((X + 0.3) ** 2 + EPS**2) / 2, lambda x: np.abs(x + 0.3)),
+    "fourth": (sp.sqrt(X**4 + EPS**4) / 2, lambda x: x),
+    "cosine": (sp.cos(sp.sqrt(X**2 + EPS**2)), lambda x: -np.sin(x)),
+}
+
+
+@pytest.mark.parametrize("name", GENTLE)
+def test_runs_pass_a_root_at_which_no_slope_jumps(workshop: Path, name: str) -> None:
+    equation, slope = GENTLE[name]
+    model = Model(f"gentle_{name}", gravity=(0, -9.81))
+    p, eps = model.particle("p", mass=1.5), model.parameter("eps", 0.0)
+    model.constraint("wire", p.y - equation.subs({X: p.x, EPS: eps}))
+    model.driver("push", p.x, t - 1)
+    model.scene("run", ["gravity"], start={p.x: -1.0, p.vx: 4.5})
+    model.scene("driven", ["gravity"], drivers=["push"], guess={p.x: -1.0})
+    one, ends = load(model, "run", folder=workshop), []
+    for formulation, method in [*product(("cartesian",), METHODS), ("reduced", "dop853")]:
+        result = one.simulate(0.6, 31, method=method, formulation=formulation, rtol=1e-9)
+        assert result.outcome is Outcome.OK, (formulation, method)
+        assert np.ptp(result.energy("total")) < 1e-5
+        assert result.q("p.x")[-1] > 0.5
+        ends.append(result.q("p.x")[-1])
+    assert np.ptp(ends) < 1e-6
+    driven = load(model, "driven", folder=workshop).inverse_dynamics([0.5, 1.0, 1.5])
+    assert driven.outcome is Outcome.OK
+    np.testing.assert_allclose(driven.v("p.vy"), slope(driven.q("p.x")), atol=1e-9)
+
+
+def _driven(workshop: Path, name: str) -> Machine:
+    model = Model(f"lost_{name}")
+    a, b = model.particle("a", mass=1.0), model.particle("b", mass=1.0)
+    model.absolute("rail", a, "y", 0.0)
+    if name == "meet":
+        model.absolute("x", b, "x", 0.0)
+        model.absolute("y", b, "y", 0.0)
+        model.distance_driver("lost", b, a, 0.3 - 0.3 * t)
+    else:
+        functions = {"tan": sp.tan, "quotient": lambda x: 1 / (sp.pi / 2 - x), "log": sp.log}
+        model.absolute("y", b, "y", 0.0)
+        model.constraint("lost", a.x - functions[name](b.x))
+        model.driver("push", b.x, 1 - t if name == "log" else 0.1 + t)
+    model.scene("run", drivers=["lost" if name == "meet" else "push"], guess={a.x: 0.3, b.x: 0.5})
+    return load(model, folder=workshop)
+
+
+@pytest.mark.parametrize("name", ["meet", "tan", "quotient", "log"])
+def test_driven_machines_end_at_once_where_points_meet_and_at_poles(
+    workshop: Path, name: str
+) -> None:
+    machine = _driven(workshop, name)
+    instant = 1.0 if name in ("meet", "log") else np.pi / 2 - 0.1
+    outcome, said = Outcome.NOT_FINITE, "a slope grows without bound"
+    if name == "meet":
+        outcome, said = Outcome.DISCONTINUOUS, "a slope jumps"
+        assert np.ptp(machine.kinematics(2.0).v("a.vx")) < 1e-9  # no row has the speed beyond
+    for analysis in (machine.kinematics, machine.inverse_dynamics, machine.simulate):
+        result = analysis(2.0)
+        assert result.outcome is outcome
+        assert f"'lost' {said}" in result.message
+        assert instant - 0.01 < result.t[-1] < instant + 1e-9
+        assert result.stats["steps"] < 100_000
+
+
+@pytest.mark.parametrize("method", ["energy", "settling"])
+def test_a_search_for_rest_names_the_kink_that_it_comes_to(workshop: Path, method: str) -> None:
+    model = Model("rest_in_a_kink", gravity=(0, -9.81))
+    p, eps = model.particle("p", mass=1.5), model.parameter("eps", 0.0)
+    model.constraint("wire", p.y - sp.sqrt(p.x**2 + eps**2))
+    model.scene("run", ["gravity"], guess={p.x: 0.5})
+    rest = load(model, folder=workshop).equilibrium(method)
+    assert rest.outcome is Outcome.UNBALANCED
+    assert "In joint 'wire' sqrt(p_x**2 + eps**2) comes to 0" in rest.message
+
+
+def test_runs_of_an_ensemble_end_at_a_kink(machine: Callable[[str], Machine]) -> None:
+    done = machine("ring").ensemble(2.0, 3, starts={"p.y": np.array([1.0, 1.5])})
+    assert list(done["outcome"].values) == ["DISCONTINUOUS", "OK"]

@@ -10,10 +10,10 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from runtime.continuation.predictor_corrector import DrivenMotion
+from runtime.continuation.predictor_corrector import STEEP, DrivenMotion
 from runtime.core.outcomes import Outcome, Site
 from runtime.integrate.problem import Trajectory
-from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.mechanism.dense_equations import Equations, FloatArray, row_lengths
 from runtime.results.assembled_state import Assembly
 
 _CLOSE = 1e-6  # safety: of the run; nearer to a kink, the kink is why it ends
@@ -27,13 +27,21 @@ _PLACES = {
     "end": "{} comes to an end of its range, where its slope has no bound",
     "cut": "{} comes to its cut, where it jumps by 2 pi",
     "origin": "both arguments of {} come to 0, where it has no value",
+    "pole": "a slope grows without bound, as at a pole of a tangent, a quotient or a logarithm",
+    "jump": "a slope jumps, as where two points meet and their distance comes to 0",
 }
 _ADVICE = {
+    "jump": "Drive a coordinate, or keep the distance above 0",
+    "pole": "Multiply the equation by what comes to 0 there",
     "cut": "Count turns: take the angles of bodies, rack_and_pinion, gear or belt in place of it",
 }
+_STEEP = "steep", "end", "pole"
 _OTHER_ADVICE = "State the equation without it, squared or by an angle that passes this place"
 
+Kink = tuple[str, str, str]  # element, kind of place, function there
 
+_NEARBY = 1e-5  # safety: scaled motion, over which no slope changes much but at a kink
+_TURNED = 0.5  # safety: change of a slope over that, in parts of it, which is a jump
 _POINTS = 17  # measured: instants of a stretch in which a kink is looked for
 _ROUNDS = 16  # safety: such stretches, each an eighth of the one before
 _FLAT = 4.0  # safety: ratio of an argument beside its least value, from which on that is resolved
@@ -41,29 +49,42 @@ _VANISHED = 1e-13  # accuracy: of an argument; a smaller least value is 0
 _MAY_VANISH = 0.05  # safety: the same by a cubic through both ends of a stretch
 
 
-def nearest_kink(equations: Equations, t: float, q: FloatArray, v: FloatArray) -> tuple[int, float]:
-    """The kink of a constraint that a state is nearest to, and about the time to it, s; or -1."""
-    kinks = _kinks(equations)
-    if not kinks:
-        return -1, np.inf
-    u, rate = _arguments(equations, t, q, v)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        times = np.nan_to_num(np.abs(u / rate), nan=np.inf)
-    times[np.isnan(u) | (u == 0.0)] = 0.0
-    return kinks[int(times.argmin())], float(times.min())
-
-
-def end_at_kink(equations: Equations, run: Trajectory, duration: float) -> Trajectory:
+def end_at_kink(
+    equations: Equations, begin: Assembly, run: Trajectory, duration: float
+) -> Trajectory:
     """The run, ended by a kink of a constraint where one is near; `duration`, s, is its whole."""
-    if run.outcome not in _WAYS_IN:
-        return run
-    kink, time = nearest_kink(equations, *run.end)
-    if not time <= _CLOSE * duration:
+    cause = _cause(equations, begin, *run.end, duration) if run.outcome in _WAYS_IN else None
+    if cause is None:
         return run
     elements = [row.element for row in equations.description.constraints]
-    row = elements.index(equations.description.peaks[kink][0])
-    outcome, note = _end(equations, kink, run.final_t)
-    return replace(run, outcome=outcome, site=Site.KINK, index=row, note=note)
+    outcome, note = _end(equations, cause, run.final_t)
+    return replace(run, outcome=outcome, site=Site.KINK, index=elements.index(cause[0]), note=note)
+
+
+def _cause(
+    equations: Equations, begin: Assembly, t: float, q: FloatArray, v: FloatArray, duration: float
+) -> Kink | None:
+    """The kink that a motion has come to, of those watched, or else by the slopes about it."""
+    if kinks := _kinks(equations):
+        u, rate = _arguments(equations, t, q, v)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            times = np.nan_to_num(np.abs(u / rate), nan=np.inf)
+        times[np.isnan(u) | (u == 0.0)] = 0.0
+        if times.min() <= _CLOSE * duration:
+            return kinks[int(times.argmin())]
+    elements = [row.element for row in equations.description.constraints]
+    if not elements:
+        return None
+    slopes = [equations.jacobian(*state) for state in ((begin.t, begin.q), (t, q))]
+    before, here = map(row_lengths, slopes)
+    if (here >= STEEP * before).any():
+        return elements[int((here / before).argmax())], "pole", ""
+    speed = float(np.abs(v / equations.scale(equations.size(begin.t, begin.q))).max())
+    step = min(_CLOSE * duration, _NEARBY / max(speed, 1e-300))
+    sides = [equations.jacobian(t, q + h * v) for h in (-step, step)]
+    turned = np.linalg.norm(sides[1] - sides[0], axis=1)
+    row = int((turned / here).argmax())
+    return (elements[row], "jump", "") if turned[row] > _TURNED * here[row] else None
 
 
 def end_motion_at_kink(
@@ -71,7 +92,8 @@ def end_motion_at_kink(
     through: Callable[[FloatArray], DrivenMotion],
 ) -> DrivenMotion:  # fmt: skip
     """The motion of drivers up to the first kink that it meets; `through` follows it again."""
-    if not _kinks(equations):
+    kinks = _kinks(equations)
+    if not kinks and motion.outcome is Outcome.OK:
         return motion
     states = [(begin.t, begin.q, begin.v), *zip(motion.t.tolist(), motion.q, motion.v, strict=True)]
     t = np.array([state[0] for state in states])
@@ -81,16 +103,15 @@ def end_motion_at_kink(
         for i in np.flatnonzero(_may_vanish(u, rate, np.diff(t))).tolist():
             at = _instant(equations, k, t[i], t[i + 1], through)
             if at is not None and (found is None or i < found[0]):
-                found = i, at, _kinks(equations)[k]
+                found = i, at, kinks[k]
                 break
     if found is None and motion.outcome is not Outcome.OK:
-        kink, time = nearest_kink(equations, *states[-1])
-        if time <= _CLOSE * float(np.ptp(t)):
-            found = len(motion.t) - 1, float(t[-1]), kink
+        cause, away = _cause(equations, begin, *states[-1], float(np.ptp(t))), np.abs(t[1:] - t[-1])
+        found = cause and (int((away > _CLOSE * np.ptp(t)).sum()), float(t[-1]), cause)
     if found is None:
         return motion
-    kept, at, kink = found
-    outcome, note = _end(equations, kink, at)
+    kept, at, cause = found
+    outcome, note = _end(equations, cause, at)
     return motion._replace(
         t=motion.t[:kept], q=motion.q[:kept], v=motion.v[:kept], outcome=outcome,
         message=f"Stopped before t = {at:.9g} s. {note}",
@@ -131,9 +152,9 @@ def _instant(
     return None
 
 
-def _kinks(equations: Equations) -> list[int]:
-    """Numbers of the kinks among the peaks."""
-    return [k for k, row in enumerate(equations.description.peaks) if row[1] == "kink"]
+def _kinks(equations: Equations) -> list[Kink]:
+    """The kinks that are watched."""
+    return [(row[0], *row[3:]) for row in equations.description.peaks if row[1] == "kink"]
 
 
 def _arguments(
@@ -143,17 +164,22 @@ def _arguments(
     u, rate = np.zeros((2, len(equations.description.peaks)))
     modes = np.zeros(len(equations.description.switches), np.int64)
     equations.kernels.peak_arguments(t, q, v, equations.p, modes, u, rate)
-    kinks = _kinks(equations)
+    kinks = [k for k, row in enumerate(equations.description.peaks) if row[1] == "kink"]
     return u[kinks], rate[kinks]
 
 
-def _end(equations: Equations, kink: int, t: float) -> tuple[Outcome, str]:
+def _end(equations: Equations, cause: Kink, t: float) -> tuple[Outcome, str]:
     """How a motion ends at a kink, and sentences on it."""
-    description = equations.description
-    element, _, _, kind, function = description.peaks[kink]
-    word = "driver" if element in description.drivers else "joint"
+    element, kind, function = cause
+    word = "driver" if element in equations.description.drivers else "joint"
     note = (
         f"In {word} '{element}' {_PLACES[kind].format(function)}, at t = {t:.9g} s: no motion "
-        f"through this place is known. {_ADVICE.get(kind, _OTHER_ADVICE)}; or end the run before."
+        f"through this place is known. {_ADVICE.get(kind, _OTHER_ADVICE)}; or keep away from it."
     )
-    return Outcome.NOT_FINITE if kind in ("steep", "end") else Outcome.DISCONTINUOUS, note
+    return Outcome.NOT_FINITE if kind in _STEEP else Outcome.DISCONTINUOUS, note
+
+
+def kink_at_rest(equations: Equations, start: Assembly, end: FloatArray) -> str:
+    """Sentences on the kink at which a search for rest has ended; empty where there is none."""
+    cause = _cause(equations, start, start.t, end, end - start.q, 1.0)
+    return "" if cause is None else _end(equations, cause, start.t)[1]
