@@ -63,7 +63,7 @@ def joined(
         stats[name] = max(counts) if name in _LARGEST else sum(counts)
     own, all_steps = (f" in {counted(int(n['steps']), 'step')}." for n in (last.stats, stats))
     end = last.message.replace(own, all_steps, 1)
-    held = [one._held.strip() for one in results[:-1]]
+    held = [one._held.strip() for one in results[told:-1]]
     values = {name: value for one in results for name, value in one.parameters.items()}
     result = Result(
         description, samples, np.array([values[row.name] for row in description.parameters]),

@@ -14,6 +14,8 @@ from runtime.core.kinds import SLIDING
 from runtime.core.loop_record import run_record
 from runtime.core.outcomes import Outcome, Site
 from runtime.core.workspace_rows import Y0, row_of
+from runtime.hybrid.impact import ON_SURFACE
+from runtime.hybrid.mode_transition import LOOK_AHEAD
 from runtime.integrate.clocks import CLOCK
 from runtime.integrate.initialization import start_anew
 from runtime.integrate.problem import WAITS
@@ -22,6 +24,8 @@ from runtime.integrate.step import Signal
 from runtime.linalg.vectors import copy_vector
 
 _MOST_ROUNDS = 8  # safety: rounds at one instant in which values renew one another
+_RECONNECTS = 2  # code: of `ends_run`: joints come or go
+_ONE_INSTANT = 1e-8  # accuracy: of the largest |g|; a run does not tell such instants apart
 
 
 @inner
@@ -124,6 +128,24 @@ def replace_step_end(context: Context) -> None:
 
 
 @inner
+def join_changes(context: Context) -> None:
+    """Let joints come or go, too, whose conditions begin to hold within the error of the run."""
+    r, modes = run_record(context), context.kernel_modes
+    before, now = context.watched_before, context.watched_now
+    for k in range(context[ft.SWITCHES]):
+        side = 1.0 if context.modes[k] != 0 else -1.0
+        g, change = side * context.g0[k], side * context.r0[k] * LOOK_AHEAD * r.h
+        largest = context.largest[k]
+        near = g + change < -ON_SURFACE * largest and g <= min(r.rtol, _ONE_INSTANT) * largest
+        if near and context.modes[k] != SLIDING and context.rigid[k] < 0:
+            modes[k] = 1 - modes[k]
+    watched_of(context)(r.t, context.q0, context.v0, context.parameters, modes, now)
+    for i in range(context[ft.WATCHED]):
+        if context.ends_run[i] == _RECONNECTS and now[i] != 0.0 and before[i] == 0.0:
+            before[i] = WAITS
+
+
+@inner
 def update_watched(context: Context) -> int:
     """Evaluate the conditions at Y0; how many values are due as one has begun to hold.
 
@@ -134,7 +156,7 @@ def update_watched(context: Context) -> int:
     for k in range(context[ft.SWITCHES]):
         modes[k] = 0 if context.modes[k] == SLIDING else context.modes[k]
     watched_of(context)(r.t, context.q0, context.v0, context.parameters, modes, now)
-    count = 0
+    count, changes = 0, False
     for k in range(context[ft.SAMPLED]):
         i = context.sample_triggers[k]
         due[k] = 1 if i >= 0 and now[i] != 0.0 and before[i] == 0.0 else 0
@@ -146,6 +168,9 @@ def update_watched(context: Context) -> int:
         is_last = context.ends_run[i] == 1 and r.stopped_by == i
         waits = begins and context.ends_run[i] != 0 and not is_last
         before[i] = WAITS if waits else now[i]
+        changes = changes or (waits and context.ends_run[i] == _RECONNECTS)
+    if changes:
+        join_changes(context)
     return count
 
 

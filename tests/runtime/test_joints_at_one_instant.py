@@ -30,16 +30,16 @@ def lost(r: Result) -> float:
     return sum(one.energy_lost for one in r.reconnections)
 
 
-def swap(first: str) -> Model:
+def swap(first: str, release: Any = None, engage: Any = None) -> Model:
     """A bar turns about its end A, which lets go at t = 1 where the other end is caught at B."""
     model = Model(f"pins_swap_{first}")
     bar = model.body("bar", mass=MASS, inertia=MASS * LENGTH**2 / 12)
     end = model.ground.at(LENGTH * np.cos(SPEED), LENGTH * np.sin(SPEED))
     a = model.revolute("A", model.ground.at(0, 0), bar.at(-LENGTH / 2, 0))
     b = model.revolute("B", end, bar.at(LENGTH / 2, 0))
-    changes = [(model.release, a), (model.engage, b)]
-    for change, joint in changes if first == "release" else changes[::-1]:
-        change(joint, when=t > 1)
+    changes = [(model.release, a, release), (model.engage, b, engage)]
+    for change, joint, when in changes if first.startswith("release") else changes[::-1]:
+        change(joint, when=when(bar) if when else t > 1)
     model.scene("turn", start={bar.phi: 0.0, bar.omega: SPEED})
     return model
 
@@ -55,6 +55,17 @@ def test_a_bar_swaps_its_pin(workshop: Path, first: str) -> None:
         inertia = MASS * LENGTH**2 / 3
         assert_allclose(lost(r), inertia * SPEED**2 * 3 / 8, atol=1e-8)
         assert r.reconnections[0].action == first
+
+
+@pytest.mark.parametrize("later", [0.0, 1e-6])
+def test_instants_that_agree_to_the_error_of_the_run_are_one(workshop: Path, later: float) -> None:
+    """The position says when A lets go, the clock when B engages; with B before, the bar stops."""
+    changes = {"release": lambda bar: bar.phi > SPEED * (1 + later), "engage": lambda _: t > 1}
+    for first in changes:
+        machine = load(swap(f"{first}_{later > 0}", **changes), folder=workshop)
+        for settings in ({},) if later else ({}, {"method": "radau5"}):
+            omega = machine.simulate(2.0, 5, **settings).v("bar.omega")[-1]
+            assert_allclose(omega, 0.0 if later else -SPEED / 2, atol=1e-8)
 
 
 def test_reduced_coordinates_past_a_set_that_they_do_not_suit(workshop: Path) -> None:

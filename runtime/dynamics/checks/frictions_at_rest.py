@@ -50,9 +50,12 @@ def name_held_frictions(result: Result, equations: Equations) -> None:
             continue
         result.not_unique = tuple(dict.fromkeys([*result.not_unique, *bounds, *others]))
         forces = ", ".join(f"{name} may exert {ends}" for name, ends in bounds.items())
+        when = f"At t = {rows.t[0]:.6g} s"
+        if len(rows.t) > 1:
+            when = f"At instants given from t = {rows.t[0]:.6g} to {rows.t[-1]:.6g} s"
+        follow = f", and the reactions of {', '.join(others)} with it" if others else ""
         result._held += (
-            f" From t = {rows.t[0]:.6g} to {rows.t[-1]:.6g} s there are instants at which joints "
-            f"and drivers hold friction at rest: {forces}. The least, 0, is given, and the "
-            f"reactions of {', '.join(others)} with it."
+            f" {when} joints and drivers hold friction at rest: {forces}. "
+            f"The least, 0, is given{follow}."
         )
     result.message += result._held
