@@ -11,6 +11,7 @@ import os
 from collections.abc import Iterator
 from contextlib import suppress
 from functools import cache
+from importlib.machinery import PathFinder
 from importlib.metadata import version
 from pathlib import Path
 from typing import Literal, NamedTuple
@@ -23,7 +24,7 @@ from codegen.files.whole_files import whole_file
 class Input(NamedTuple):
     """Something that a model asked for, and the hash of what it was given, None for nothing."""
 
-    kind: Literal["file", "folder", "variable", "working folder"]
+    kind: Literal["file", "folder", "variable", "working folder", "module"]
     # A path is absolute, or relative to the folder that holds `generated`; "" of a variable: all
     # names that there are.
     name: str
@@ -69,6 +70,8 @@ def value_of(kind: str, name: str | Path) -> str | None:
             content = Path(name).read_bytes()
         elif kind == "folder":
             content = repr(sorted(os.listdir(name))).encode()  # noqa: PTH208 (names alone)
+        elif kind == "module":  # by its place
+            return str(bool(PathFinder.find_spec(Path(name).name, [str(Path(name).parent)])))
         elif kind == "variable":
             content = repr(os.environ[str(name)] if name else sorted(os.environ)).encode()
         else:
@@ -96,9 +99,8 @@ def unchanged(path: Path, digest: str | None, model: Path | None) -> Record | No
         first = [base / row.name for row in record.inputs[:1] if row.kind == "file"]
         if model is not None and first != [model.resolve()]:
             continue
-        paths = ("file", "folder")
         if all(
-            value_of(kind, base / name if kind in paths else name) == value
+            value_of(kind, name if kind == "variable" else base / name) == value
             for kind, name, value in record.inputs
         ):
             return record

@@ -37,7 +37,7 @@ def record(file: ModelFile, model: Model, path: Path, digest: str) -> Record:
     base, scenes = path.resolve().parent.parent, tuple(model.scenes) or ("default",)
     rows = [*(Input("file", str(source), value) for source, value in file.sources), *file.asked]
     inputs = tuple(
-        row._replace(name=relative(Path(row.name), base)) if row.kind in ("file", "folder") else row
+        row if row.kind == "variable" else row._replace(name=relative(Path(row.name), base))
         for row in rows
     )
     return Record(digest, generator_state(), scenes, inputs, file.unwatched)

@@ -1,8 +1,8 @@
 """What a model asks for while its file runs: files, folders, variables of the environment.
 
-Python's audit events tell what is opened and listed, as far as the model's own files ask for it,
-however deep: not what a package opens that is being imported. Some answers nobody can watch: those
-of other programs and computers, clocks, chance, and of libraries that open files by themselves.
+Python's audit events tell what is opened, listed and imported, as far as the model's own files or
+another thread ask for it, however deep: not what a package opens that is being imported. Nobody can
+watch other programs and computers, clocks, chance, and libraries that open files by themselves.
 """
 
 import ast
@@ -30,6 +30,7 @@ _ELSEWHERE = ("socket.", "subprocess.", "urllib.", "os.system", "os.exec", "os.f
 _UNSEEN = {
     *("time", "time_ns", "now", "today", "utcnow", "localtime", "gmtime", "perf_counter"),
     *("monotonic", "urandom", "uuid1", "uuid4", "randbits", "token_hex", "token_bytes"),
+    *("strftime", "ctime", "asctime", "parse_args", "parse_known_args"),
     *("getpid", "gethostname", "cpu_count", "exists", "is_file", "is_dir", "isfile", "isdir"),
     *("stat", "getmtime", "getsize", "access", "open_dataset", "load_dataset", "Dataset"),
     *("read_parquet", "read_feather", "read_hdf", "read_orc", "read_table"),
@@ -51,7 +52,10 @@ class Watch:
 
     def hear(self, event: str, given: tuple[Any, ...]) -> None:
         """Note an audit event."""
-        if event in _PLACES:
+        if event == "import" and given[1] is None:  # by its name
+            for folder in filter(_is_local_folder, given[2]):
+                self.note("module", str(Path(folder, *given[0].split("."))))
+        elif event in _PLACES:
             kind, place = _PLACES[event]
             self.note(kind, "." if kind == "folder" and given[place] is None else given[place])
         elif event.startswith(_ELSEWHERE) and (asker := _asker()):
@@ -124,7 +128,7 @@ def _is_local_folder(name: str) -> bool:
 
 
 def _asker(kind: str = "") -> str:
-    """The line of a user's own file that asks; empty where a package does as it is imported."""
+    """The user's own line that asks, or another thread; empty for a package that is imported."""
     frame: FrameType | None = inspect.currentframe()
     while frame is not None and frame.f_globals.get("__name__") == __name__:
         frame = frame.f_back
@@ -137,18 +141,23 @@ def _asker(kind: str = "") -> str:
         if code.co_name == "<module>" and not code.co_filename.startswith("<"):
             return ""
         frame = frame.f_back
-    return ""
+    return "another thread"
 
 
 def unseen_requests(files: Iterable[Path]) -> Iterator[str]:
-    """Calls in Python files whose answers change without anything that can be watched."""
+    """What Python files ask for, unless as programs of their own, that nobody can watch."""
+    unseen = {"argv"} | {x for x in [*sys.modules] if not getattr(sys.modules[x], "__spec__", 0)}
     for file in files:
         tree = ast.parse(file.read_bytes())
+        tree.body = [x for x in tree.body if not ast.unparse(x).startswith("if __name__ ")]
         drawn = {
             alias.asname or alias.name for node in ast.walk(tree)
             if isinstance(node, ast.ImportFrom) and node.module in _RANDOM for alias in node.names
         }  # fmt: skip
-        calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call)]
+        nodes: list[Any] = [*ast.walk(tree)]
+        names = [(getattr(x, k, 0), x) for x in nodes for k in ("attr", "module", "name")]
+        yield from (f"{name}, {file.name}, line {x.lineno}" for name, x in names if name in unseen)
+        calls = [node for node in nodes if isinstance(node, ast.Call)]
         named = [(ast.unparse(call.func).split("."), call) for call in calls]
         seeded = any(parts[-1] == "seed" and call.args for parts, call in named)
         for parts, call in named:

@@ -77,8 +77,8 @@ class Mechanism:
             found = gather(import_generated(origin.path, origin.digest, text))
         except GeneratedFileError as error:
             raise GeneratedFileError(
-                f"{self.title} was pickled, and its module {origin.path} is not here as it was "
-                f"({error}). Load the machine again where it is pickled, and have the folder of "
+                f"{self.title} was pickled, and its module {origin.path} is gone, damaged or built "
+                "anew since. Load the machine again where it is pickled, and have the folder of "
                 "generated modules at the same path here."
             ) from error
         return vars(self).setdefault("kernels", found)

@@ -5,6 +5,7 @@ import sqlite3
 import sys
 import warnings
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -30,6 +31,7 @@ def _data(value: float) -> None:
     """The number in all the places from which models read it."""
     for name in ("data.json", "data.txt", "late.txt"):
         Path(name).write_text(str(value))
+    Path("late_of_it.py").write_text(f"L = {value}\n")
     Path("numbers_of_it.py").write_text(f"L = {value}\n")
     os.environ["LENGTH_OF_IT"] = str(value)
     (Path("list") / f"{value}.txt").touch()
@@ -46,6 +48,13 @@ def stored(path):
         return base.execute("select x from t").fetchone()[0]
 """
 
+THREAD = """
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+with ThreadPoolExecutor() as pool:
+    L = float(*pool.map(Path.read_text, [Path("data.txt")]))
+"""
+
 
 @pytest.fixture
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
@@ -53,10 +62,13 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("LENGTH_OF_IT", "1.0")
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.delitem(sys.modules, "numbers_of_it", raising=False)
+    monkeypatch.setitem(sys.modules, "memory_of_it", ModuleType("memory_of_it"))
+    vars(sys.modules["memory_of_it"])["L"] = 1.0
     (tmp_path / "list").mkdir()
     (tmp_path / "helper_of_it.py").write_text(HELPER)
     _data(1.0)
     (tmp_path / "late.txt").unlink()
+    (tmp_path / "late_of_it.py").unlink()
     return tmp_path
 
 
@@ -79,6 +91,12 @@ def _digest(place: Path, scene: str | None = "swing") -> str:
         ("from pathlib import Path\nL = min(float(x.stem) for x in Path('list').iterdir())", True),
         ("try: L = float(open('late.txt').read())\nexcept OSError: L = 1.0", True),
         ("import helper_of_it\nL = helper_of_it.stored('data.db')", True),
+        (THREAD, True),
+        ("try: from late_of_it import L\nexcept ImportError: L = 1.0", True),
+        ("import sys\nL = 1.0 + 0.0 * len(sys.argv)", False),
+        ("import time\nL = 1.0 + 0.0 * int(time.strftime('%S'))", False),
+        ("import sys\nL = float(open('data.txt').read())\nif __name__ == '0': sys.argv", True),
+        ("import memory_of_it\nL = 1.0 + 0.0 * memory_of_it.L", False),
         ("import os\nL = 0.5 if os.path.exists('late.txt') else 1.0", False),
         ("import subprocess\nL = float(subprocess.check_output(['cat', 'data.txt']))", False),
         ("import numpy\nL = 1.0 + 0.0 * numpy.random.default_rng(3).random()", True),
