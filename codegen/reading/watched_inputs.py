@@ -150,11 +150,10 @@ def unseen_requests(files: Iterable[Path]) -> Iterator[str]:
     for file in files:
         tree = ast.parse(file.read_bytes())
         tree.body = [x for x in tree.body if not ast.unparse(x).startswith("if __name__ ")]
-        drawn = {
-            alias.asname or alias.name for node in ast.walk(tree)
-            if isinstance(node, ast.ImportFrom) and node.module in _RANDOM for alias in node.names
-        }  # fmt: skip
         nodes: list[Any] = [*ast.walk(tree)]
+        drawn = {
+            x.asname or x.name for n in nodes if getattr(n, "module", 0) in _RANDOM for x in n.names
+        }  # fmt: skip
         names = [(getattr(x, k, 0), x) for x in nodes for k in ("attr", "module", "name")]
         yield from (f"{name}, {file.name}, line {x.lineno}" for name, x in names if name in unseen)
         calls = [node for node in nodes if isinstance(node, ast.Call)]
