@@ -11,7 +11,7 @@ from codegen.check.elements import all_problems, effect_problems
 from codegen.check.potential_steps import step_problems
 from codegen.declare import element as el
 from codegen.declare.element import EXERTED, QUANTITIES, label
-from codegen.declare.element_fields import ROUNDING, profile_problems, rolling_problems
+from codegen.declare.element_fields import ROUNDING, sampled_profile
 from codegen.declare.returned_values import (
     closed_curves,
     effect_expressions,
@@ -23,9 +23,10 @@ from codegen.declare.symbols import Coordinate, Parameter, Time, Velocity, alpha
 from codegen.derive.constraint_terms import constraint_terms
 from codegen.derive.effect_terms import available_quantities, effect_measures, effect_terms
 from codegen.derive.equations import parts_of
-from codegen.derive.parameter_conditions import element_conditions, touching
+from codegen.derive.parameter_conditions import element_conditions, profile_rows
 from codegen.derive.switching_functions import Named, switches
 from codegen.model.scene_requests import ONE
+from codegen.parameter_conditions import profile_problems
 from codegen.readers.calls import errors_at
 from codegen.readers.values import one_line
 
@@ -142,18 +143,10 @@ class _SceneCheck:
             with errors_at(label(element)):
                 for one in element_conditions(element, self.parts.bodies):
                     yield from one.condition.problems(one.element, self.numbers)
-                curves = closed_curves(element)
-                shapes = [curve.at(alpha).subs(self.numbers) for _, curve, _ in curves]
-                found = []
-                for (where, _, convex), shape in zip(curves, shapes, strict=True):
-                    if self.scene.parameters:
-                        problems = profile_problems(shape, closed=True, convex=convex)
-                        found += [f"{where}: {problem}" for problem in problems]
-                touches = touching(element, self.scene, self.numbers)
-                if touches and not found:
-                    cuts = rolling_problems(shapes[0], shapes[1], touches < 0)
-                    found = [f"{curves[k][0]}: {problem}" for k, problem in cuts]
-                yield from found
+                rows = profile_rows(element, self.scene, self.parts.drivers.values(), self.numbers)
+                curves = [curve.at(alpha).subs(self.numbers)
+                          for _, curve, _ in closed_curves(element)]  # fmt: skip
+                yield from profile_problems(rows, [*map(sampled_profile, curves)])
 
     def _outputs(self) -> Iterator[str]:
         """Outputs that need elements which the scene leaves out, and how to get them."""

@@ -25,7 +25,6 @@ from codegen.parameter_conditions import (
     ConditionRow,
     ProfileSamples,
     profile_samples,
-    roller_problems,
     shape_problems,
     violated_conditions,
 )
@@ -175,20 +174,18 @@ def profile_problems(profile: sympy.Matrix, closed: bool, convex: bool) -> Itera
                 "round; write the line so that it goes one way, such as (1, alpha)."
             )
         return
-    yield from shape_problems(_profile(derivatives(profile)), convex)
+    yield from shape_problems(sampled_profile(profile), convex)
 
 
-def rolling_problems(
-    cam: sympy.Matrix, other: sympy.Matrix, inside: bool
-) -> Iterator[tuple[int, str]]:
-    """Where a roller, one of two sound curves, cuts into the other; see `roller_problems`."""
-    yield from roller_problems(_profile(derivatives(cam)), _profile(derivatives(other)), inside)
+def sampled_profile(profile: sympy.Matrix) -> ProfileSamples:
+    """Samples of a closed curve that is written in alpha and numbers."""
+    return _sampled_profile(derivatives(profile))
 
 
 @lru_cache(16)  # of the curves of a machine, which are looked at again in each of its scenes
-def _profile(expressions: tuple[sympy.Expr, ...]) -> ProfileSamples:
-    function = plain_function([alpha], expressions)
-    return profile_samples(lambda at: function([at]))
+def _sampled_profile(expressions: tuple[sympy.Expr, ...]) -> ProfileSamples:
+    (samples,) = profile_samples(lambda alphas: _sampled(expressions, tuple(alphas)))
+    return samples
 
 
 def derivatives(profile: sympy.Matrix) -> tuple[sympy.Expr, ...]:

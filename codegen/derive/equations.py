@@ -23,7 +23,6 @@ from codegen.derive.parameter_conditions import (
     element_conditions,
     expressions_in,
     profiles_of,
-    touching,
 )
 from codegen.derive.scene_picture import ScenePicture, scene_picture
 from codegen.garbage_collection import collection_paused
@@ -300,14 +299,15 @@ def derive(model: "Model", scene: Scene) -> Equations:
         labels=tuple(model.labels.items()),
         picture=scene_picture(model.ground, bodies, drawn, values, frozenset(used)),
     )
-    if parameters and not scene.frozen:
-        conditions, profiles = list[ElementCondition](), list[Profile]()
-        defaults = {Parameter(name, real=True): value for name, value in values.items()}
-        for element in parts.acting:
-            with errors_at(label(element)):
+    conditions, profiles = list[ElementCondition](), list[Profile]()
+    defaults = {Parameter(name, real=True): value for name, value in values.items()}
+    varies = bool(parameters) and not scene.frozen
+    for element in parts.acting:
+        with errors_at(label(element)):
+            if varies:
                 own = element_conditions(element, bodies)
                 conditions += carried(own, parameters, model.defaults)
-                profiles += profiles_of(element, touching(element, scene, defaults))
-        once = tuple(dict.fromkeys(conditions))
-        equations = replace(equations, conditions=once, profiles=tuple(profiles))
+            profiles += profiles_of(element, scene, parts.drivers.values(), defaults, varies)
+    once = tuple(dict.fromkeys(conditions))
+    equations = replace(equations, conditions=once, profiles=tuple(profiles))
     return equations.with_effects(effects)

@@ -1,14 +1,21 @@
 """What a scene asks of its parameters: conditions of its elements, tables' ranges, cams' shapes."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, is_dataclass
-from typing import cast
+from typing import NamedTuple, cast
 
+import numpy as np
+import numpy.typing as npt
 import sympy
 
 from codegen.declare.body import Bodies
 from codegen.declare.element import Constraint, Effect, Element, label
-from codegen.declare.element_fields import Condition, derivatives, hold_conditions
+from codegen.declare.element_fields import (
+    Condition,
+    derivatives,
+    hold_conditions,
+    sampled_profile,
+)
 from codegen.declare.returned_values import (
     closed_curves,
     conditions_of,
@@ -18,8 +25,12 @@ from codegen.declare.returned_values import (
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Parameter, ParameterDeclaration, alpha, dotted, kinds, t
 from codegen.derive.effect_terms import effect_terms
+from codegen.elements.drivers import Driver
 from codegen.elements.joints.cams import CamFollower
-from codegen.tables.table_function import Interpolant
+from codegen.parameter_conditions import ALPHAS, ProfileRow, roller_cut
+from codegen.tables.table_function import Interpolant, plain_function
+
+Numbers = Mapping[sympy.Symbol, float]
 
 
 @dataclass(frozen=True)
@@ -30,15 +41,12 @@ class ElementCondition:
     condition: Condition
 
 
-@dataclass(frozen=True)
-class Profile:
-    """A closed curve whose shape depends on parameters."""
+class Profile(NamedTuple):
+    """A closed curve that is judged before or after a run."""
 
-    element: str
+    row: ProfileRow
     # x, y and their first and second derivatives by α, which t stands for
     derivatives: tuple[sympy.Expr, ...]
-    convex: bool
-    touches: int = 0  # 1: it touches the next curve from outside, -1: from inside
 
 
 def expressions_in(part: object) -> Iterator[sympy.Basic]:
@@ -85,7 +93,7 @@ def _ranges(lookups: list[Interpolant]) -> Iterator[Condition]:
             yield Condition(text, (at,), low, False, high)
 
 
-def touching(element: Element, scene: Scene, parameters: Mapping[sympy.Symbol, float]) -> int:
+def touching(element: Element, scene: Scene, parameters: Numbers) -> int:
     """Whether two profiles touch from outside, 1, or inside, -1; 0: none do in such an element.
 
     From outside, unless the scene gives both parameters of another contact.
@@ -100,15 +108,48 @@ def touching(element: Element, scene: Scene, parameters: Mapping[sympy.Symbol, f
     return -1 if element.touches_inside({**parameters, **places}) else 1
 
 
-def profiles_of(element: Element, touches: int) -> Iterator[Profile]:
-    """The closed curves of a joint whose shape depends on parameters; both where they touch."""
-    rows = [(where, derivatives(curve.at(alpha)), convex)
-            for where, curve, convex in closed_curves(element)]  # fmt: skip
-    depend = [any(kinds(e, Parameter) for e in shape) for _, shape, _ in rows]
-    for k, (where, shape, convex) in enumerate(rows):
-        if depend[k] or (touches and any(depend)):
-            touched = touches if k == 0 else 0
-            yield Profile(where, tuple(e.subs(alpha, t) for e in shape), convex, touched)
+def profile_rows(
+    element: Element, scene: Scene, drivers: Iterable[Element], numbers: Numbers
+) -> list[ProfileRow]:
+    """The closed curves of a joint.
+
+    All of a profile has to suit its roller where a driver turns one of the two round, else the part
+    that a run uses.
+    """
+    touches = touching(element, scene, numbers)
+    acting = (d for d in drivers if isinstance(d, Driver) and {*d.bodies} & {*element.bodies})
+    laws = [driver.law.subs(numbers) for driver in acting]
+    turned = touches and any(np.ptp(_known(law)) >= ALPHAS[-1] for law in laws)
+    of_contact = (touches, "" if turned else element.name) if touches else ()
+    curves = closed_curves(element)
+    return [ProfileRow(where, convex, *(() if k else of_contact))
+            for k, (where, _, convex) in enumerate(curves)]  # fmt: skip
+
+
+def _known(law: sympy.Expr) -> npt.NDArray[np.float64]:
+    """Values of a law of motion at instants up to a quarter of an hour; 0 where it has none."""
+    at = plain_function([t], [law])
+    values = np.array([at([instant])[0] for instant in (0.0, *np.geomspace(1e-3, 1e3, 600))])
+    return np.where(np.isfinite(values), values, 0.0)
+
+
+def profiles_of(
+    element: Element, scene: Scene, drivers: Iterable[Element], numbers: Numbers, varies: bool
+) -> Iterator[Profile]:
+    """The closed curves of a joint that are judged in runs.
+
+    Their shapes depend on parameters that vary, or the part decides that a run uses; both where
+    they touch.
+    """
+    rows = profile_rows(element, scene, drivers, numbers)
+    shapes = [curve.at(alpha) for _, curve, _ in closed_curves(element)]
+    depend = [varies and any(kinds(e, Parameter) for e in shape) for shape in shapes]
+    if rows and rows[0].contact and not any(depend):
+        cam, other = (sampled_profile(shape.subs(numbers)) for shape in shapes)
+        depend = [roller_cut(cam, other, rows[0].touches < 0) is not None] * 2
+    for k, (row, shape) in enumerate(zip(rows, shapes, strict=True)):
+        if depend[k] or (rows[0].touches and any(depend)):
+            yield Profile(row, tuple(e.subs(alpha, t) for e in derivatives(shape)))
 
 
 def carried(

@@ -190,7 +190,7 @@ class Description:
     peaks: tuple[tuple[Any, ...], ...]
     # (element, sentence, least, whether that is too small, largest, count of numbers) of what is
     # asked of parameters, and (curve, whether it is convex) of profiles that depend on them, with 1
-    # of one that touches the next from outside, -1 from inside
+    # of one that touches the next from outside, -1 from inside, and the joint that shows where
     conditions: tuple[tuple[Any, ...], ...]
     profiles: tuple[tuple[Any, ...], ...]
     # (name, column of its integral, unit, nominal size) of each state
@@ -255,10 +255,7 @@ def describe(
         table_ranges=range_programs(equations),
         peaks=tuple((*peak[:3], *peak.place) for peak in peaks),
         conditions=tuple((*one.condition.row(one.element),) for one in equations.conditions),
-        profiles=tuple(
-            (curve.element, curve.convex, *filter(None, [curve.touches]))
-            for curve in equations.profiles
-        ),
+        profiles=tuple((*one.row[:2], *filter(None, one.row[2:])) for one in equations.profiles),
         states=tuple(
             (s.name, scene.columns[s.integral], s.unit, s.nominal) for s in equations.states
         ),

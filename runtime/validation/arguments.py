@@ -7,19 +7,13 @@ refused, with the parameters behind them.
 """
 
 from collections.abc import Mapping
-from functools import partial
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError, InputError, ParameterError
-from codegen.parameter_conditions import (
-    profile_samples,
-    roller_problems,
-    shape_problems,
-    violated_conditions,
-)
+from codegen.parameter_conditions import profile_problems, violated_conditions
 from codegen.readers import arguments as readers
 from codegen.readers.arguments import Reader, count, either, optional
 from codegen.readers.values import KindError, finite_float, is_flag, shown
@@ -30,6 +24,7 @@ from runtime.mechanism.table_rows import unknown
 from runtime.results.assembled_state import Assembly, State
 from runtime.results.motion_at_instants import finite_numbers
 from runtime.results.result import Result
+from runtime.validation.profiles import profiles_change, sampled_profiles
 
 STEPS = "steps"
 POINTS = 501  # layout: output instants, where nothing else is said
@@ -307,21 +302,8 @@ def _broken(mechanism: Mechanism, p: npt.NDArray[np.float64]) -> list[str]:
     numbers = np.zeros(sum(row.shown for row in description.conditions))
     kernels.conditions(p, numbers)
     problems = [*violated_conditions(description.conditions, numbers)]
-    if description.profiles:
-        row = np.zeros(6 * len(description.profiles))
-
-        def at(alpha: float, k: int) -> FloatArray:
-            kernels.profiles(alpha, p, row)
-            return row[6 * k : 6 * k + 6].copy()
-
-        curves = [profile_samples(partial(at, k=k)) for k in range(len(description.profiles))]
-        for k, curve in enumerate(description.profiles):
-            found = [*shape_problems(curves[k], curve.convex)]
-            problems += [f"{curve.element}: {problem}" for problem in found]
-            if curve.touches and not found:
-                cuts = roller_problems(curves[k], curves[k + 1], curve.touches < 0)
-                names = [one.element for one in description.profiles[k : k + 2]]
-                problems += [f"{names[which]}: {problem}" for which, problem in cuts]
+    if description.profiles and profiles_change(mechanism, p):
+        problems += profile_problems(description.profiles, sampled_profiles(mechanism, p))
     return [f"{description.title}: {problem}" for problem in problems]
 
 

@@ -303,3 +303,23 @@ def test_slider_is_driven_along_a_guide_that_turns(tmp_path: Path) -> None:
     assert_allclose(run.reaction("stroke", "force"), 2 * (-4 * s - 9 * s), atol=1e-10)
     assert_allclose(run.reaction("guide", "fy"), 2 * 2 * rate * 3, atol=1e-10)
     assert_allclose(run.reaction("motor", "torque"), 2 * 2 * rate * 3 * s, atol=1e-10)
+
+
+@pytest.mark.parametrize("mean", [0.0, 2.9])
+def test_a_roller_may_swing_beside_a_notch_that_it_does_not_fit(
+    tmp_path: Path, mean: float
+) -> None:
+    model = Model("swung")
+    cam, rod = (model.body(name, mass=1.0, inertia=1.0) for name in ("cam", "rod"))
+    model.revolute("shaft", model.ground.at(0, 0), cam.at(0, 0))
+    model.translational("guide", model.ground.at(0, 0), rod.at(0, 0), axis=(0, 1))
+    notched = 0.05 - 0.02 * sympy.exp(60 * (sympy.cos(alpha - 1.5 * sympy.pi) - 1))
+    model.cam_follower("lift", cam.polar(notched), rod.circle(0.015))
+    model.driver("drive", cam.phi, mean + 0.5 * sin(6 * t))
+    model.scene("turn", drivers=["drive"], guess={rod.y: 0.065})
+    run = load(model, folder=tmp_path).kinematics(1.0, 31)
+    if mean == 0.0:
+        assert_allclose(sound(run).q("rod.y"), 0.065, atol=1e-9)
+    else:
+        assert run.outcome is Outcome.CONTRADICTED
+        assert "'lift' on body 'cam': at α = 4.7" in run.message

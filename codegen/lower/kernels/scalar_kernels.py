@@ -86,9 +86,9 @@ def condition_kernels(scene: SceneGraph) -> list[Kernel]:
     if equations.profiles:
         values = []
         for curve in equations.profiles:
-            with errors_at(curve.element):
+            with errors_at(curve.row.element):
                 values += [_translated(scene, e) for e in curve.derivatives]
-        notes = [curve.element for curve in equations.profiles for _ in curve.derivatives]
+        notes = [curve.row.element for curve in equations.profiles for _ in curve.derivatives]
         summary = "x, y and their first and second derivatives by α, which t stands for: PROFILES."
         kernels.append(storing("profiles", summary, "t p out", values, notes))
     return kernels

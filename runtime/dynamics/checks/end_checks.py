@@ -29,6 +29,7 @@ from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.module_tables import Description
 from runtime.results.result import Result
 from runtime.results.samples import Samples
+from runtime.validation.profiles import describe_cuts
 
 Rows = npt.NDArray[np.intp] | slice
 
@@ -50,7 +51,8 @@ def check_result(
     end_before_infinite(result, equations)
     if result.outcome is not Outcome.OK:
         return
-    samples, found = result.samples, ""
+    samples = result.samples
+    cuts, found = describe_cuts(equations.mechanism, equations.p, samples), ""
     if suspicions.residuals:
         found = _residuals(equations, samples, sizes, options)
     if run is not None:
@@ -64,7 +66,7 @@ def check_result(
             steps = run.statistics.steps
             unexplained = describe_unexplained_energy(equations, samples, sizes, options, steps)
         found = " ".join(filter(None, [order, modes, found, unexplained]))
-    if found:
+    if found := " ".join(filter(None, [cuts, found])):
         outcome, result.contradiction = Outcome.CONTRADICTED, found
         result.outcome, result.site = outcome, Site.CHECKS.of("")
         result.message = f"{outcome.meaning} {found} {outcome.advice} {result.message}"
