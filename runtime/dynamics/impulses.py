@@ -27,6 +27,8 @@ def with_impulses(
     """
     description, found = equations.description, [*events]
     titles = {function.title for function in description.time_functions}
+    if not titles:
+        return tuple(found), ""
     jumped = [e.direction == Direction.IMPACT and e.name in titles for e in found]
     jumps = [*compress(found, jumped)]
     if not jumps:

@@ -7,7 +7,8 @@ beforehand.
 """
 
 import time as clock
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -24,6 +25,7 @@ from runtime.continuation.predictor_corrector import DrivenMotion
 from runtime.core.kinds import Direction
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.checks.end_checks import check_result
+from runtime.dynamics.checks.finite_results import finite_series
 from runtime.dynamics.checks.frictions_at_rest import name_held_frictions
 from runtime.dynamics.checks.kinks import end_motion_at_kink
 from runtime.dynamics.impulses import with_impulses
@@ -42,7 +44,7 @@ from runtime.results.result import Result
 from runtime.results.run_records import Event
 from runtime.results.samples import Samples
 from runtime.validation.arguments import instants, parameter_values, require_masses
-from runtime.validation.finite_equations import name_left_tables
+from runtime.validation.finite_equations import left_tables, name_left_tables
 from runtime.validation.scene_support import require_no_rigid
 
 _DIRECTIONS = {"crossing": int(Direction.CROSSED), "lock-up": int(Direction.LOCKED)}
@@ -63,7 +65,8 @@ def kinematics(
     _require_driven(mechanism, begin, analysis)
     equations = suited_equations(equations, begin)
     preferred = start_values(mechanism, guess, start).v
-    motion, kinks = _follow_past_kinks(equations, times, begin, preferred, progress)
+    asked = _asked(equations, analysis)
+    motion, kinks = _follow_past_kinks(asked, times, begin, preferred, progress)
     motion = end_motion_at_kink(
         equations, begin, motion, lambda times: follow(equations, times, begin, preferred, silent)
     )
@@ -102,20 +105,31 @@ def kinematics(
 
 def _without_forces(equations: Equations, samples: Samples) -> str:
     """A sentence on forces that are no numbers; accelerations then follow from the constraints."""
-    finite = np.isfinite(samples.reaction).all(axis=1) & np.isfinite(samples.power).all(axis=1)
     lost = np.isnan(samples.a.sum(axis=1))
     for k in np.flatnonzero(lost):
         t, q, v = float(samples.t[k]), samples.q[k], samples.v[k]
         if equations.motion(t, q, v, samples.modes[k] % 2)[2] == 0:
             gamma, lost[k] = equations.acceleration_rhs(t, q, v), False
             samples.a[k] = np.linalg.lstsq(equations.jacobian(t, q), gamma, rcond=None)[0]
+    finite = np.all([*finite_series(equations.description, samples).values()], axis=0)
     without = samples.t[~finite & ~lost]
     if not len(without):
         return ""
     return (
-        f" From t = {without[0]:.6g} s on forces and reactions are no numbers, of which kinematics "
-        "makes no use; inverse_dynamics names the effect."
+        f" From t = {without[0]:.6g} s on forces, reactions or energies are no numbers, of which "
+        "kinematics makes no use; inverse_dynamics names the effect."
     )
+
+
+def _asked(equations: Equations, analysis: str) -> Equations:
+    """Those for which an analysis asks: kinematics for no force, nor for its law of time."""
+    if analysis != "kinematics":
+        return equations
+    description, found = equations.description, copy(equations)
+    moving = {row.element for row in description.constraints}
+    laws = tuple(law for law in description.time_functions if law.name in moving)
+    found.description = replace(description, has_masses=False, time_functions=laws)
+    return found
 
 
 def inverse_dynamics(
@@ -160,8 +174,9 @@ class DrivenMotionAtInstants(Motion):
 
     def at(self, result: Result, times: FloatArray) -> Found:
         """At ascending instants, (k,), of the span, s: followed again from the start."""
-        equations = self.equations
-        motion, _ = _follow_past_kinks(equations, times, self.start, self.preferred, silent)
+        equations, start = self.equations, self.start
+        asked = _asked(equations, result.analysis)
+        motion, _ = _follow_past_kinks(asked, times, start, self.preferred, silent)
         if len(motion.t) != len(times) or motion.outcome is not Outcome.OK:
             raise AnalysisError(
                 f"{self.mechanism.title}: the motion cannot be followed to t = {times[-1]:.9g} s. "
@@ -215,7 +230,7 @@ def _follow_past_kinks(
             state = motion.q[row], motion.v[row]
             title = equations.description.time_functions[passage.source].title
             found.append(Event(title, kink.after, int(passage.event or 0), *state))
-    return _of_instants(motion, times, done, instants, end), found
+    return _of_instants(equations, motion, times, done, instants, end), found
 
 
 def _kink_events_and_ends(
@@ -255,8 +270,8 @@ def _instants_before_end(
 
 
 def _of_instants(
-    motion: DrivenMotion, times: FloatArray, done: FloatArray, instants: FloatArray,
-    end: tuple[float, Passage] | None,
+    equations: Equations, motion: DrivenMotion, times: FloatArray, done: FloatArray,
+    instants: FloatArray, end: tuple[float, Passage] | None,
 ) -> DrivenMotion:  # fmt: skip
     """The motion at the instants that were asked for, its outcome that of a law that ends it."""
     if instants is not done:  # ascending
@@ -271,9 +286,13 @@ def _of_instants(
     message = f"{counted(len(times), 'instant')} from t = {times[0]:g} to {times[-1]:g} s.{notes}"
     if end is None:
         return motion._replace(message=message)
-    t, passage = end
-    message = f"Stopped before t = {t:.9g} s. {passage.text}"
-    return motion._replace(outcome=passage.outcome, message=message)
+    (t, passage), state = end, (motion.q[-1], motion.v[-1])
+    outcome, text = passage.outcome, passage.text
+    if left := left_tables(equations, t, *state, not equations.description.has_masses, soon=True):
+        outcome, text = Outcome.OUT_OF_RANGE, f"{left} {Outcome.OUT_OF_RANGE.advice}"
+    if not len(done):
+        text += f" No instant that was asked for is reached: the row is t = {motion.t[-1]:.9g} s."
+    return motion._replace(outcome=outcome, message=f"Stopped before t = {t:.9g} s. {text}")
 
 
 def _require_driven(mechanism: Mechanism, start: Assembly, analysis: str) -> None:

@@ -16,7 +16,8 @@ from runtime.core.outcomes import Outcome, Site
 from runtime.core.workspace_rows import Y0, Y1
 from runtime.hybrid.events import INSTANT, UNRESOLVED
 from runtime.integrate.clocks import CLOCK
-from runtime.integrate.sampling import has_room
+from runtime.integrate.sampled_values import replace_last
+from runtime.integrate.sampling import STEP_ENDS, has_room
 from runtime.integrate.step import Signal, TrialStep, reject
 from runtime.integrate.step_acceptance import accept_step, end_at_event, judge_events
 
@@ -196,8 +197,11 @@ def follow_plan(context: Integers) -> int:
 @inner
 def watch_events(context: Context) -> int:
     """After events: what begins with a condition that is watched."""
-    if context[ft.WATCHED] == 0 or run_record(context).changed == 0:
+    r = run_record(context)
+    if context[ft.WATCHED] == 0 or r.changed == 0:
         return Signal.PROCEED
+    if r.length == 0.0 and r.every_step != STEP_ENDS:
+        replace_last(context)  # by what was renewed at this instant
     return int(ft.watch_of(context)(context))
 
 

@@ -19,7 +19,7 @@ from runtime.hybrid.mode_transition import LOOK_AHEAD
 from runtime.integrate.clocks import CLOCK
 from runtime.integrate.initialization import start_anew
 from runtime.integrate.problem import WAITS
-from runtime.integrate.sampling import INSTANTS, QUADRATURE, STEP_ENDS, record
+from runtime.integrate.sampling import INSTANTS, STEP_ENDS, record
 from runtime.integrate.step import Signal
 from runtime.linalg.vectors import copy_vector
 
@@ -101,30 +101,28 @@ def start_with_samples(context: Context) -> int:
 
 
 @inner
+def replace_last(context: Context) -> None:
+    """Give the last samples, if they are at this instant, the state and the modes from here on."""
+    r = run_record(context)
+    last, earliest = r.samples - 1, r.t - CLOCK * abs(r.t)
+    while last >= 0 and context.out_times[last] >= earliest:
+        copy_vector(row_of(context, Y0), context.out_states[last])
+        copy_vector(context.modes, context.out_modes[last])
+        last -= 1
+
+
+@inner
 def replace_samples(context: Context) -> None:
     """Give the samples of the results at this instant the values that were renewed."""
     r = run_record(context)
-    last = r.samples - 1
-    earliest = r.t - CLOCK * abs(r.t)
-    while r.every_step == QUADRATURE and last >= 0 and context.out_times[last] >= earliest:
-        copy_vector(row_of(context, Y0), context.out_states[last])
-        last -= 1
+    if r.every_step != STEP_ENDS:
+        replace_last(context)
     while r.every_step == INSTANTS and r.next_sample < context[ft.SAMPLE_TIMES]:
         at = context.sample_times[r.next_sample]
         if at > r.t + CLOCK * abs(r.t):
             break
         record(context, at, Y0)
         r.next_sample += 1
-
-
-@inner
-def replace_step_end(context: Context) -> None:
-    """Give the sample at the end of the step, if ends of steps are sampled, the values renewed."""
-    r = run_record(context)
-    last = r.samples - 1
-    if r.every_step == STEP_ENDS and last >= 0 and context.out_times[last] == r.t:
-        copy_vector(row_of(context, Y0), context.out_states[last])
-        copy_vector(context.modes, context.out_modes[last])
 
 
 @inner
@@ -201,8 +199,8 @@ def watch_now(context: Context) -> int:
 def go_on(context: Context) -> int:
     """Go on with the samples that were computed, and watch what they change; a signal or code."""
     outcome = start_with_samples(context)
+    replace_last(context)
     replace_samples(context)
-    replace_step_end(context)
     if outcome != Outcome.OK:
         return int(outcome)
     if context[ft.WATCHED] != 0:

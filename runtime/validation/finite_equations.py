@@ -1,6 +1,7 @@
 """What is no finite number at a state: equations, forces, tables that the motion has left."""
 
 from collections.abc import Iterator
+from itertools import compress
 
 import numpy as np
 
@@ -48,11 +49,11 @@ def infinite_terms(
 
 def _constraints(equations: Equations, t: float, q: FloatArray, v: FloatArray) -> Iterator[str]:
     """A sentence for each joint or driver with a row that is not finite."""
-    table = equations.description.constraints
+    table, rows = equations.description.constraints, equations.description.jacobian_rows
     moving = equations.description.analysis != "equilibrium"
     parts = (
         ("equation Φ", equations.constraints(t, q)),
-        ("derivative Φ_q", _sums(equations, t, q)),
+        ("derivative Φ_q", np.bincount(rows, equations.slopes(t, q), equations.m)),
         ("velocity ν", equations.velocity_rhs(t, q)),
         ("acceleration γ", equations.acceleration_rhs(t, q, v) if moving else np.zeros(0)),
     )
@@ -69,13 +70,6 @@ def _constraints(equations: Equations, t: float, q: FloatArray, v: FloatArray) -
                 )
 
 
-def _sums(equations: Equations, t: float, q: FloatArray) -> FloatArray:
-    """Sums of the rows of Φ_q, (m,)."""
-    sums = np.zeros(equations.m)
-    np.add.at(sums, equations.description.jacobian_rows, equations.slopes(t, q))
-    return sums
-
-
 def _forces(
     equations: Equations, t: float, q: FloatArray, v: FloatArray, modes: IntArray
 ) -> Iterator[str]:
@@ -83,27 +77,26 @@ def _forces(
     description = equations.description
     if not description.has_masses:
         return
-    forces = equations.forces(t, q, v, modes)
-    along = [row.name for row, f in zip(description.coordinates, forces, strict=True) if _bad(f)]
-    if not along:
-        return
+    lost = ~np.isfinite(equations.forces(t, q, v, modes))
+    what = f"force of {{}} along {', '.join(compress(description.coordinates.names, lost))}"
+    if not lost.any():
+        if "potential" not in description.kernels or np.isfinite(equations.potential(t, q, modes)):
+            return
+        what = "potential of {}"
     powers, idle = np.zeros(len(description.powers)), np.zeros(equations.m)
     equations.kernels.powers(t, q, v, equations.p, modes, idle, powers)
     rows = zip(description.powers, powers, strict=True)
-    working = {row.name for row in description.powers}
-    blamed = [row.name for row, power in rows if row.kind in _OF_FORCES and _bad(power)]
+    working = {row.name for row in description.powers if row.kind == "effect"}
+    blamed = [row.name for row, power in rows if row.kind in _OF_FORCES and not np.isfinite(power)]
     if not blamed:
-        blamed = [row.name for row in description.effects if row.name not in working]
+        others = (row for row in description.effects if row.kind != "gravity")
+        blamed = [row.name for row in others if row.name not in working]
     if blamed:
         names = " or ".join(f"'{name}'" for name in dict.fromkeys(blamed))
         yield (
-            f"the force of {names} along {', '.join(along)} is not finite at t = {t:.9g} s; look "
-            f"for {_PLACES}, or for a spring whose ends coincide."
+            f"the {what.format(names)} is not finite at t = {t:.9g} s; look for {_PLACES}, or for "
+            "a spring whose ends coincide."
         )
-
-
-def _bad(number: float) -> bool:
-    return not np.isfinite(number)
 
 
 _MARGIN = 1e-9  # accuracy: of a table's length; nearer to its end it has still its value there
@@ -113,30 +106,28 @@ _SOON = 1e-7  # accuracy: of a second, or of the time; over which an argument is
 
 def name_left_tables(result: Result, equations: Equations) -> None:
     """Let a run that failed where the motion leaves a table say so, by name and numbers."""
-    rows, samples = equations.description.table_ranges, result.samples
-    if not rows or result.outcome is Outcome.OK:
+    if not equations.description.table_ranges or result.outcome is Outcome.OK:
         return
-    tables = [_Argument(row, equations.p, samples.q.shape[1]) for row in rows]
-    state = float(samples.t[-1]), samples.q[-1], samples.v[-1]
-    found = [one.sentence(*state) for one in tables if one.is_leaving(*state)]
-    if found:
+    t, q, v = (array[-1] for array in result.samples[:3])
+    if left := left_tables(equations, t, q, v, result.analysis == "kinematics", soon=True):
         result.outcome = Outcome.OUT_OF_RANGE
-        sentences = " ".join(dict.fromkeys(found))
-        result.message = f"Stopped at t = {state[0]:.9g} s. {sentences} {result.outcome.advice}"
+        result.message = f"Stopped at t = {t:.9g} s. {left} {result.outcome.advice}"
 
 
 def left_tables(
-    equations: Equations, t: float, q: FloatArray, v: FloatArray, of_motion: bool = False
-) -> str:
+    equations: Equations, t: float, q: FloatArray, v: FloatArray, of_motion: bool = False,
+    *, soon: bool = False,
+) -> str:  # fmt: skip
     """Sentences on the tables beyond whose ends a state is; empty where it is inside of all.
 
-    If asked, those `of_motion` alone, which stand in joints and drivers.
+    If asked, those `of_motion` alone, which stand in joints and drivers; those left `soon`, too.
     """
-    description = equations.description
+    description, state = equations.description, (t, q, v)
     moving = {row.element for row in description.constraints}
     rows = [row for row in description.table_ranges if row.name in moving or not of_motion]
     tables = [_Argument(row, equations.p, len(q)) for row in rows]
-    return " ".join(dict.fromkeys(one.sentence(t, q, v) for one in tables if one.is_left(t, q, v)))
+    left = [one for one in tables if (one.is_leaving(*state) if soon else one.is_left(*state))]
+    return " ".join(dict.fromkeys(one.sentence(*state) for one in left))
 
 
 class _Argument:

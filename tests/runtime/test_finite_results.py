@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from sympy import pi, sin, sqrt
+from sympy import Piecewise, log, pi, sin, sqrt
 
 from codegen import Model, t
 from runtime import load
@@ -49,7 +49,7 @@ def test_kinematics_asks_for_no_force(valve: Machine) -> None:
     r = valve.kinematics(1.0, 9)
     assert r.outcome is Outcome.OK
     assert_allclose(r.a("flap.phi"), -0.5 * (2 * np.pi) ** 2 * np.sin(2 * np.pi * r.t), atol=1e-9)
-    assert "From t = 0.625 s on forces and reactions are no numbers" in r.message
+    assert "From t = 0.625 s on forces, reactions or energies are no numbers" in r.message
 
 
 def test_a_first_instant_that_is_no_number(valve: Machine) -> None:
@@ -71,3 +71,44 @@ def test_runs_whose_motion_needs_no_such_force(workshop: Path) -> None:
     assert members.outcome.values.tolist() == ["NOT_FINITE"] * 2
     assert np.isnan(members.power.values[:, 5:]).all()
     assert np.isfinite(members.power.values[:, :5]).all()
+
+
+def test_a_potential_that_is_no_number_while_its_force_is(workshop: Path) -> None:
+    """V = -5 log x, with the force 5/x also where x < 0."""
+    model = Model("well")
+    slide = model.particle("slide", mass=2.0)
+    model.absolute("rail", slide, "y", 0.0)
+    model.potential("well", -5 * log(slide.x))
+    model.driver("feed", slide.x, 0.5 - 0.5 * t**2)
+    model.scene("run", ["well"], drivers=["feed"])
+    machine, instants = load(model, "run", folder=workshop), [0.0, 0.5, 1.2, 1.5]
+    for r in machine.inverse_dynamics(instants), machine.simulate(1.5, instants):
+        assert (r.outcome, r.t.tolist()) == (Outcome.NOT_FINITE, [0.0, 0.5])
+        assert "The potential of 'well' is not finite at t = 1 s" in r.message
+        assert_allclose(r.energy("potential"), -5 * np.log(r.q("slide.x")))
+    moved = machine.kinematics(instants)
+    assert moved.outcome is Outcome.OK
+    assert "From t = 1.2 s on forces, reactions or energies" in moved.message
+
+
+@pytest.mark.parametrize("kind", ["table", "root", "step"])
+def test_kinematics_asks_for_no_law_of_a_force(kind: str, workshop: Path) -> None:
+    """Neither its end nor its jump is one of the motion; inverse dynamics names them."""
+    model = Model(f"logged_{kind}")
+    slide = model.particle("slide", mass=2.0)
+    model.absolute("rail", slide, "y", 0.0)
+    table = model.table("gas", [0, 0.5, 1.0], [0, 20.0, 10.0])
+    force = {"table": table(t), "root": sqrt(1 - t), "step": Piecewise((1, t < 1), (2, True))}
+    model.force("push", slide, fx=force[kind])
+    model.driver("feed", slide.x, t**2)
+    model.scene("run", ["push"], drivers=["feed"])
+    machine = load(model, "run", folder=workshop)
+    for instants in [0.0, 0.7, 1.3], [1.5, 1.8]:
+        r = machine.kinematics(instants)
+        assert (r.outcome, r.t.tolist(), r.events) == (Outcome.OK, instants, ())
+        assert_allclose(r.a("slide.x"), 2.0)
+        assert_allclose(r.at(1.2).q("slide.x"), 1.44)
+    forces = machine.inverse_dynamics([1.5, 1.8])
+    ends = {"table": Outcome.OUT_OF_RANGE, "root": Outcome.DISCONTINUOUS, "step": Outcome.OK}
+    assert forces.outcome is ends[kind]
+    assert ("No instant that was asked for is reached" in forces.message) == (kind != "step")

@@ -266,6 +266,25 @@ def test_a_condition_begins_to_hold_once(lift: Machine, tmp_path: Path) -> None:
     assert lift.simulate(0.1, [0.1], start=values).y("passed")[0] == 5
 
 
+@pytest.mark.parametrize("method", ["dop853", "bdf"])
+def test_a_row_at_an_event_is_what_follows_it(method: str, workshop: Path) -> None:
+    """As the last row of a run that ends there: values, latches and the forces under them."""
+    model = Model("passing")
+    cart = model.particle("cart", mass=1.0)
+    model.absolute("rail", cart, "y", 0.0)
+    n = model.sampled("n", when=cart.x > 0.5, value=lambda n: n + 1)
+    passed = model.latch("passed", when=cart.x > 0.5)
+    model.force("push", cart, fx=2.0 * n, when=passed)
+    model.force("drag", cart, fx=-0.5, when=cart.x > 0.5)
+    model.scene("run", ["push", "drag"], start={cart.x: 0.0, cart.vx: 1.0})
+    machine = load(model, "run", folder=workshop)
+    short, long = machine.simulate(0.5, 6, method=method), machine.simulate(1.0, 11, method=method)
+    for r, row in (short, -1), (long, 5):
+        assert (r.y("n")[row], r.y("passed")[row]) == (1.0, 1.0)
+        assert_allclose(r.a("cart.x")[row], 1.5)
+    assert_allclose(short.resume(1.0).q("cart.x")[-1], 1.0 + 0.1875, rtol=1e-9)
+
+
 def test_ends_of_steps_show_renewed_values(lift: Machine) -> None:
     for method in ("dop853", "bdf"):
         r = lift.simulate(1.1, "steps", method=method)

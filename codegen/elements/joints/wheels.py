@@ -255,7 +255,6 @@ class WheelPair:
                     f"'{j.name}' are on '{found[0].name}'; give carrier= that body."
                 )
             problems += released_bearings(self, lambda joints: _carriers(i, j, joints))
-            problems += released_bearings(self, lambda joints: _carriers(i, j, joints))
         return problems
 
 

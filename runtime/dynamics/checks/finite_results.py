@@ -3,11 +3,13 @@
 from contextlib import suppress
 
 import numpy as np
+import numpy.typing as npt
 
 from codegen.errors import AnalysisError
 from codegen.object_display import listed
 from runtime.core.outcomes import Outcome
 from runtime.mechanism.dense_equations import Equations, FloatArray, IntArray
+from runtime.mechanism.module_tables import Description
 from runtime.results.result import Result
 from runtime.results.samples import Samples
 from runtime.validation.finite_equations import infinite_terms, left_tables
@@ -50,7 +52,8 @@ def end_before_infinite(result: Result, equations: Equations) -> None:
     else:
         text, result.outcome = infinite_terms(equations, *state), Outcome.NOT_FINITE
     if not text:
-        names = [name for name, x in _series(result, after).items() if not np.isfinite(x[0])]
+        finite = finite_series(result.description, after, of_motion)
+        names = [name for name, sound in finite.items() if not sound[0]]
         text = f"Not a finite number: {listed(names)}. {result.outcome.advice}"
     result.message = f"{where} {text}"
 
@@ -59,13 +62,8 @@ def _first_infinite(result: Result, equations: Equations, samples: Samples) -> i
     """The first row that is no number or beyond a table; so many as there are, where none is."""
     of_motion = result.analysis == "kinematics"
     tables = equations.description.table_ranges if result.analysis != "simulation" else ()
-    arrays = samples[1:4] if of_motion else samples[1:7]
-    if not tables and np.isfinite(sum(array.sum() for array in arrays)):
-        return len(samples.t)
-    sound = np.ones(len(samples.t), np.bool_)
-    for values in _series(result, samples).values():
-        sound &= np.isfinite(values)
-    for k in range(len(samples.t)):
+    sound = np.all([*finite_series(result.description, samples, of_motion).values()], axis=0)
+    for k in range(len(samples.t)) if tables else np.flatnonzero(~sound).tolist():
         state = _state(samples, k)
         if tables and left_tables(equations, *state[:3], of_motion):
             return k
@@ -80,11 +78,14 @@ def _state(samples: Samples, k: int) -> tuple[float, FloatArray, FloatArray, Int
     return float(samples.t[k]), samples.q[k], samples.v[k], samples.modes[k] % 2
 
 
-def _series(result: Result, samples: Samples) -> dict[str, FloatArray]:
-    """The series for which the analysis is asked, (k,) each, by name."""
-    found = dict[str, FloatArray]()
-    for row in result.description.series:
-        if row.array in ("qva" if result.analysis == "kinematics" else samples._fields):
+def finite_series(
+    description: Description, samples: Samples, of_motion: bool = False
+) -> dict[str, npt.NDArray[np.bool_]]:
+    """Where each series, perhaps those `of_motion` alone, is a number, (k,), by its name."""
+    found = dict[str, npt.NDArray[np.bool_]]()
+    for row in description.series:
+        if row.array in ("qva" if of_motion else samples._fields):
             values = getattr(samples, row.array)
-            found[row.name] = values.sum(axis=1) if row.column < 0 else values[:, row.column]
+            values = values.sum(axis=1) if row.column < 0 else values[:, row.column]
+            found[row.name] = np.isfinite(values)
     return found
