@@ -37,6 +37,12 @@ def installed_folders() -> frozenset[Path]:
     return frozenset(Path(paths[name]).resolve() for name in names)
 
 
+def is_installed(path: Path) -> bool:
+    """Whether a file, without symbolic links, is Python's or of a package, wherever that lies."""
+    packages = {"site-packages", "dist-packages"}.intersection(path.parts)
+    return bool(packages) or any(map(path.is_relative_to, installed_folders()))
+
+
 def models_folder(library: Path = LIBRARY) -> Path | None:
     """The folder of the library's models; None where it is installed without them."""
     folder = library / "models"

@@ -17,7 +17,7 @@ from types import FrameType
 from typing import Any
 
 from codegen.files.build_records import Input, value_of
-from codegen.files.library_folders import LIBRARY, installed_folders
+from codegen.files.library_folders import LIBRARY, is_installed
 
 _PLACES = {
     "open": ("file", 0), "import": ("file", 1), "sqlite3.connect": ("file", 0),
@@ -124,7 +124,7 @@ def is_local(file: str) -> bool:
 def _is_local_folder(name: str) -> bool:
     ours = (LIBRARY / name for name in ("linkwright", "codegen", "runtime", "generated"))
     folder = Path(name).resolve()
-    return not any(folder.is_relative_to(place) for place in (*ours, *installed_folders()))
+    return not (is_installed(folder) or any(map(folder.is_relative_to, ours)))
 
 
 def _asker(kind: str = "") -> str:

@@ -26,7 +26,7 @@ from pydantic import BaseModel, FiniteFloat, PositiveInt
 from codegen import __version__
 from codegen.errors import FAILURES, InputError, LinkwrightError
 from codegen.files.build_records import source_hash
-from codegen.files.library_folders import installed_folders
+from codegen.files.library_folders import is_installed
 from codegen.readers.values import one_line
 from runtime.core.arrays import Matrix, Vector
 from runtime.core.outcomes import Outcome
@@ -381,4 +381,4 @@ def _is_own(module: str | None) -> bool:
     if module == "__main__" or (module and module not in sys.modules):
         return True
     file = _file_of(module)
-    return file is not None and not any(map(file.is_relative_to, installed_folders()))
+    return file is not None and not is_installed(file)

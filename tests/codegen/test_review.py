@@ -11,8 +11,8 @@ from sympy import Abs
 
 from codegen import Model, build
 from codegen.errors import ModelError
+from codegen.files import library_folders
 from codegen.files.library_folders import installed_folders
-from codegen.reading import watched_inputs
 from codegen.reading.model_file import read_model
 from codegen.reading.scene_selection import valid_scenes, with_settings
 from tests.codegen.workbench import Interpreted, State, write_model
@@ -138,7 +138,7 @@ def test_packages_behind_a_symbolic_link_are_installed(
     link.symlink_to(Path(folders["purelib"]).resolve())
     linked = folders | {"purelib": str(link), "platlib": str(link)}
     monkeypatch.setattr(sysconfig, "get_paths", lambda: linked)
-    monkeypatch.setattr(watched_inputs, "installed_folders", installed_folders.__wrapped__)
+    monkeypatch.setattr(library_folders, "installed_folders", installed_folders.__wrapped__)
     path = write_model(tmp_path, "import sympy\nmodel = Model('m')\nmodel.body('a', 1, 1)\n")
     assert [source for source, _ in read_model(path).sources] == [path]
 
