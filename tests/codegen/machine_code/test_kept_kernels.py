@@ -37,7 +37,7 @@ def source(tmp_path: Path) -> Path:
 def answer(path: Path) -> float:
     """What the kernel answers that is loaded as a new process loads it."""
     for name in [name for name in sys.modules if name.startswith("linkwright_generated_")]:
-        if sys.modules[name].__file__ == str(path):
+        if getattr(sys.modules[name].__loader__, "path", "") == str(path):
             del sys.modules[name]
     return float(import_generated(path).scaled(1.0))
 
