@@ -37,8 +37,7 @@ if TYPE_CHECKING:
 
 DONE, STUCK, SUSPECT, ARRIVED = 0, 1, 2, 3
 
-# measured: scaled error of a prediction up to which it is trusted to name the branch
-_PREDICTED = 0.05
+_PREDICTED = 0.05  # measured: largest scaled error of a prediction that names the branch
 _TRAVEL = 0.5  # measured: scaled motion of the longest step
 _TRIES = 4096  # safety: steps, rejected ones included, before an interrupt is heard
 _ITERATIONS = 30  # safety: of Newton's method for a position
@@ -46,7 +45,6 @@ _ITERATIONS = 30  # safety: of Newton's method for a position
 _MARGIN = 0.5
 _POOR = 0.5  # measured: of the smallest pivots at both ends; a smaller one in between is suspicious
 _GOOD = 0.05  # measured: smallest pivot of a state to which the continuation may return
-
 STEEP = 1e6  # safety: growth of a slope of Phi since the start, from which on it has no bound
 
 # The record that a continuation keeps. t: instant of the state; barrier: instant to stop at, or not

@@ -56,21 +56,18 @@ class Result(TimeSeries):
     contradiction
         What a check found against the results, with numbers; empty if none did.
     stats
-        Counts of steps, evaluations and iterations (of a simulation: explained in
-        `runtime.integrate.problem.Statistics`), and the wall time in s. `crossing_error`:
-        largest estimated error of a step across a singular configuration, over the tolerance;
+        Counts of steps, evaluations and iterations, explained in
+        `runtime.integrate.problem.Statistics`, and the wall time in s. `crossing_error`: largest
+        error of a step across a singular configuration, over the tolerance;
         `integration_seconds`: processor time of the integration alone.
     events
-        Of a simulation, changes of modes and impacts between the instants; of kinematics and
-        inverse dynamics, crossings and lock-ups.
+        Changes of modes and impacts between the instants; of driven motions crossings, lock-ups.
     partitions
         The independent coordinates of a simulation: the first choice, then every change.
     works
         Work of effects and drivers since the start in J, by name, each (k,).
     not_unique
-        Joints, drivers and frictions whose forces the motion leaves open. Those of least norm are
-        given: where constraints are redundant, and of a friction that joints and drivers hold at
-        rest. That one's `share` is not a number at these instants, and the message has its bounds.
+        Joints, drivers and frictions whose forces the motion leaves open; the least are given.
     singular
         The singular configurations that the run met, in order.
     accuracy
@@ -78,12 +75,11 @@ class Result(TimeSeries):
     parameters
         Parameter values by name.
     ended_by
-        The condition of ``until=``, the scene's or that of `simulate`, that ended the run; empty
-        if none did.
+        The condition of ``until=``, of scene or call, that ended the run; empty if none did.
     reconnections
         The joints that were released or engaged in a run, with their impulses.
     reconnection
-        Of a part of a run: the condition that ended it, and the state there.
+        Of a part of a run: what ended it, and the state there.
     work_at_end
         Works at the end of a run, J, which may lie behind the last instant.
     """
@@ -170,9 +166,8 @@ class Result(TimeSeries):
     ) -> "Result":
         """The motion at any instant: a result like this one, with its samples at `t`.
 
-        The run is taken again from a checkpoint shortly before, with the same steps, so that a
-        quantity is what it is with `t` among the instants of `t_eval`, to the last digit; a work,
-        the sum over other intervals, is so to rounding.
+        The run is taken again from a checkpoint, with the same steps: a quantity is what it is with
+        `t` among the instants of `t_eval`, to the last digit, a work to rounding.
 
         Parameters
         ----------
@@ -219,10 +214,9 @@ class Result(TimeSeries):
         """Go on with a simulation from where it stopped, with everything that it was given.
 
         It takes the steps of a run that went through at once, with the same bits. Where laws of
-        time are no sums of powers and sines, steps end at instants that depend on the whole time,
-        and Baumgarte's time, unless given, is a part of it: steps before are then taken again.
-        Joints come and go on; past a condition that ended it, a run goes on until that begins to
-        hold the next time.
+        time are no sums of powers and sines, or Baumgarte's time is not given, these depend on the
+        whole time: steps before are then taken again. Past a condition that ended it, a run goes on
+        until that begins to hold the next time.
 
         Parameters
         ----------
@@ -287,7 +281,7 @@ class Result(TimeSeries):
         t
             Instant in s, as `at` takes it; unless given, the first sample.
         dimensions, forces, frames, names
-            As for `Model.draw`; forces are the applied ones and the reactions of the joints.
+            As for `Model.draw`; forces are the applied ones and the joints' reactions.
 
         Returns
         -------

@@ -1,5 +1,6 @@
 """Pictures of results: joints at all instants, reactions where they act, joints that go."""
 
+import re
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -9,8 +10,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from codegen import Model, t
-from codegen.drawing.picture import VERSION, Picture
+from codegen.drawing.picture import Picture
 from codegen.drawing.shapes import Pin, Reaction, Rod, places
+from codegen.files.generated_modules import MARK, UNSIGNED, signed
 from codegen.picture_at_start import declared_picture
 from codegen.reading.model_file import read_model
 from runtime import load
@@ -107,8 +109,8 @@ def test_a_picture_module_of_another_version_is_built_anew(tmp_path: Path) -> No
     (first, *_) = moving_picture(result).symbols
     (place,) = tmp_path.rglob("*__picture.py")
     text = place.read_text()
-    other = text.replace(f'LAYOUT = "{VERSION}"', 'LAYOUT = "0"').replace("('i', ", "('old', ")
-    place.write_text(other)
+    unsigned = re.sub(f"{MARK}.*", MARK + UNSIGNED, text.replace("('i', ", "('old', "))
+    place.write_text(signed(unsigned))
     assert moving_picture(result).symbols[0] == first
     assert place.read_text() == text
 
