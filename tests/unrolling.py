@@ -5,8 +5,8 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,14 +19,17 @@ from runtime import machine_loading
 @contextmanager
 def built_with(unroll: Unroll, folder: Path) -> Iterator[None]:
     """Within the block `load` builds machines into `folder`, with kernels in this form."""
-    locate = machine_loading._locate
+    locate, build = machine_loading._locate, codegen.build
 
     def located(model: str, here: Path) -> tuple[Path, Path]:
         return locate(model, here)[0], folder
 
+    def built(*given: Any, **settings: Any) -> Any:
+        return build(*given, **settings | {"unroll": unroll})
+
     machine.cache_clear()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(machine_loading, "_locate", located)
-        patch.setattr(codegen, "build", partial(codegen.build, unroll=unroll))
+        patch.setattr(codegen, "build", built)
         yield
     machine.cache_clear()

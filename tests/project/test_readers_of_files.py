@@ -18,7 +18,7 @@ PERMITTED = {
     "codegen/files/generated_modules.py": {"compile"},  # generated modules
     "codegen/machine_code/kernels.py": {"eval"},  # a kernel's signature, of a generated module
     "codegen/reference/pages.py": {"exec"},  # the examples of elements, from their classes
-    "runtime/mechanism/origin.py": {"pickle.loads"},  # within a pickle, of its model
+    "runtime/mechanism/mechanism.py": {"pickle.loads"},  # within a pickle, of its model
     "runtime/results/saved_result.py": {"np.load"},  # with allow_pickle=False
     # of processes that the sweep has started, of the sweep itself, and of the scheduler
     "runtime/sweeps/execution.py": {"pickle.load", "pickle.loads"},

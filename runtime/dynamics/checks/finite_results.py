@@ -83,8 +83,9 @@ def finite_series(
 ) -> dict[str, npt.NDArray[np.bool_]]:
     """Where each series, perhaps those `of_motion` alone, is a number, (k,), by its name."""
     found = dict[str, npt.NDArray[np.bool_]]()
+    others = ("kinetic", "total")  # energies, which follow, or which equilibria leave out
     for row in description.series:
-        if row.array in ("qva" if of_motion else samples._fields):
+        if row.array in ("qva" if of_motion else samples._fields) and row.name not in others:
             values = getattr(samples, row.array)
             values = values.sum(axis=1) if row.column < 0 else values[:, row.column]
             found[row.name] = np.isfinite(values)
