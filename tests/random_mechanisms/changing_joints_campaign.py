@@ -4,10 +4,7 @@ Each order gives the same motion; what changes, its impulses, the velocities beh
 energy that it takes are those by hand; and between impacts the energy changes by the works.
 """
 
-import argparse
-import sys
 import tempfile
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -18,6 +15,7 @@ from runtime import load
 from runtime.core.outcomes import Outcome
 from runtime.results.result import Result
 from tests.random_mechanisms.changing_joints import Machine, random_machine, rounds
+from tests.random_mechanisms.seed_range import run_campaign
 
 ORDERS = 2
 MOST = 1e-9  # of momentum, energy and positions, relative to their size
@@ -109,25 +107,11 @@ def imbalance(machine: Machine, r: Result, columns: list[int]) -> Iterator[str]:
         yield f"energy {off:.1e} off its works, of {scale:.3g} J"
 
 
-def main() -> None:
-    """Judge the machines of a range of seeds and say what differs."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("first", type=int)
-    parser.add_argument("last", type=int)
-    chosen = parser.parse_args()
-    differ = 0
-    for seed in range(chosen.first, chosen.last):
-        began = time.perf_counter()
-        with tempfile.TemporaryDirectory() as folder:
-            complaints = judge(random_machine(seed), Path(folder))
-        differ += bool(complaints)
-        lines = [
-            f"{seed}: {'differs' if complaints else 'agrees'}, {time.perf_counter() - began:.1f} s"
-        ]
-        sys.stdout.write("\n  ".join([*lines, *complaints]) + "\n")
-        sys.stdout.flush()
-    sys.stdout.write(f"{differ} of {chosen.last - chosen.first} differ\n")
+def judge_seed(seed: int) -> tuple[list[str], str]:
+    """Complaints of the machine of a seed."""
+    with tempfile.TemporaryDirectory() as folder:
+        return [*judge(random_machine(seed), Path(folder))], ""
 
 
 if __name__ == "__main__":
-    main()
+    run_campaign(__doc__, judge_seed)

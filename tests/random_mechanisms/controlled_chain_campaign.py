@@ -5,10 +5,7 @@ changes, states, values and the end are compared. What a result says at other in
 gives back and what a state starts are compared with the run itself.
 """
 
-import argparse
-import sys
 import tempfile
-import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -22,6 +19,7 @@ from runtime.machine_facade import Machine
 from runtime.results.result import Result
 from tests.random_mechanisms.controlled_chain_motion import ControlledMotion, Motion
 from tests.random_mechanisms.controlled_chains import ControlledChain, controlled_chain
+from tests.random_mechanisms.seed_range import run_campaign
 
 METHODS = ("dop853", "dopri5", "radau5", "bdf", "tsit5", "auto")
 FORMULATIONS = ("cartesian", "reduced")
@@ -171,24 +169,13 @@ def repetitions(machine: Machine, chain: ControlledChain, r: Result, folder: Pat
         yield f"from a state: differs by {apart:.1e}"
 
 
-def main() -> None:
-    """Judge the chains of a range of seeds and say what differs."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("first", type=int)
-    parser.add_argument("last", type=int)
-    chosen = parser.parse_args()
-    differ = 0
-    for seed in range(chosen.first, chosen.last):
-        began, chain = time.perf_counter(), controlled_chain(seed)
-        with tempfile.TemporaryDirectory() as folder:
-            complaints = judge(chain, Path(folder), ("dop853", METHODS[1 + seed % 5]))
-        differ += bool(complaints)
-        spent = time.perf_counter() - began
-        lines = [f"{seed}: {'differs' if complaints else 'agrees'}, {spent:.0f} s; {chain.parts}"]
-        sys.stdout.write("\n  ".join([*lines, *complaints]) + "\n")
-        sys.stdout.flush()
-    sys.stdout.write(f"{differ} of {chosen.last - chosen.first} differ\n")
+def judge_seed(seed: int) -> tuple[list[str], str]:
+    """Complaints of the chain of a seed, and its parts."""
+    chain = controlled_chain(seed)
+    with tempfile.TemporaryDirectory() as folder:
+        complaints = [*judge(chain, Path(folder), ("dop853", METHODS[1 + seed % 5]))]
+    return complaints, f"; {chain.parts}"
 
 
 if __name__ == "__main__":
-    main()
+    run_campaign(__doc__, judge_seed)
