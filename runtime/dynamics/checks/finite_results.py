@@ -62,6 +62,9 @@ def _first_infinite(result: Result, equations: Equations, samples: Samples) -> i
     """The first row that is no number or beyond a table; so many as there are, where none is."""
     of_motion = result.analysis == "kinematics"
     tables = equations.description.table_ranges if result.analysis != "simulation" else ()
+    series = samples.q, samples.v, samples.a, samples.reaction, samples.power, samples.energy
+    if not tables and all(np.isfinite(values).all() for values in series):
+        return len(samples.t)  # as nearly always, and series by series takes a third of a call
     sound = np.all([*finite_series(result.description, samples, of_motion).values()], axis=0)
     for k in range(len(samples.t)) if tables else np.flatnonzero(~sound).tolist():
         state = _state(samples, k)
