@@ -141,7 +141,7 @@ def _build(
     for report, text in every:
         report.bring_up_to_date(text, check)
         if not check:
-            write_record(report.path, record(file, declared, report.path, report.digest))
+            write_record(report.path, record(file, declared, report.digest))
     if compiled and not check:
         progress(f"{declared.name}: compile")
         times = compile_modules([report.path for report, _ in every])

@@ -1,8 +1,10 @@
 """Every way in which a user's input can be wrong, under one base class.
 
-This module imports nothing, so that the runtime can raise the same errors without loading SymPy.
+This module imports none of the others: the runtime raises the same errors without loading SymPy.
 """
 
+import sys
+import warnings
 from collections.abc import Iterable
 
 FAILURES = (Exception, SystemExit, GeneratorExit)
@@ -85,3 +87,11 @@ class TableWarning(UserWarning):
 
     def __init__(self, text: str = "") -> None:
         super().__init__(text)
+
+
+def note(text: str, kind: type[Warning] = UserWarning) -> None:
+    """Warn of what takes time and changes no result; no error, whatever the filters."""
+    try:
+        warnings.warn(text, kind, stacklevel=3)
+    except kind:  # warnings are errors here
+        sys.stderr.write(f"note: {text}\n")

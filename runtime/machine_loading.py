@@ -4,21 +4,14 @@ The code generator (and with it SymPy) is imported only for a build.
 """
 
 import os
-import warnings
 from glob import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from weakref import WeakSet
 
-from codegen.errors import SupersededError
-from codegen.files.build_records import unchanged
-from codegen.files.generated_modules import (
-    check_signature,
-    read_generated,
-    scene_path,
-    shortened,
-    text_hash,
-)
+from codegen.errors import SupersededError, note
+from codegen.files.build_records import fresh_digest, unchanged
+from codegen.files.generated_modules import scene_path, shortened
 from codegen.files.library_folders import LIBRARY as _LIBRARY
 from codegen.files.library_folders import find_model_file, models_folder
 from codegen.garbage_collection import collection_paused
@@ -99,36 +92,31 @@ def _locate(model: str, folder: Path) -> tuple[Path, Path]:
 def _fresh_module(model: Path, generated: Path, scene: "str | Scene | None") -> tuple[Path, str]:
     """A generated module that agrees with the model file, and its hash; built if there is none."""
     name = scene if scene is not None else _first_scene(model, generated)
-    if isinstance(name, str) and (path := scene_path(generated, model.stem, name)).is_file():
-        text = read_generated(path)
-        rebuild = f"linkwright build {model} --scene {name} --out {generated}"
-        check_signature(path, text, rebuild)
-        record = unchanged(path, text_hash(text), model)
-        if record is not None and not record.unwatched:
-            return path, text_hash(text)
+    if isinstance(name, str):
+        path = scene_path(generated, model.stem, name)
+        if digest := fresh_digest(path, model, name):
+            return path, digest
     built = _build(model, name, generated)
     record = unchanged(*built, model)
     if record is not None and record.unwatched:
-        warnings.warn(
+        note(
             f"{model} asks for what nobody can watch ({'; '.join(record.unwatched)}), so it is "
-            "read anew each time it is loaded.",
-            stacklevel=2,
+            "read anew each time it is loaded."
         )
     return built
 
 
 def _build(model: "Path | Model", scene: "str | Scene | None", generated: Path) -> tuple[Path, str]:
-    """Have the code generator write the module; scene None builds all and takes the first.
+    """Have the code generator write the module; scene None is the first, of a file it builds all.
 
-    Of a declared model, which is built anew each time, those follow later in which a run goes on.
+    Whoever loads a file again without a scene finds them by their record.
     """
     with collection_paused():
         from codegen import build
 
-        wanted: Any = scene
         if scene is None and not isinstance(model, Path):
-            wanted = [name for name, one in model.scenes.items() if not one.follows] or None
-        report = build(model, scene=wanted, out=generated, compile=False, unroll=None)
+            scene = next(iter(model.scenes), None)
+        report = build(model, scene=scene, out=generated, compile=False, unroll=None)
     first = report.scenes[0]
     return first.path, first.digest
 

@@ -11,12 +11,12 @@ import os
 from collections.abc import Iterator
 from contextlib import suppress
 from functools import cache
-from importlib.machinery import PathFinder
 from importlib.metadata import version
 from pathlib import Path
 from typing import Literal, NamedTuple
 
 from codegen.errors import InputError
+from codegen.files.generated_modules import check_signature, read_generated, text_hash
 from codegen.files.library_folders import LIBRARY
 from codegen.files.whole_files import whole_file
 
@@ -24,10 +24,8 @@ from codegen.files.whole_files import whole_file
 class Input(NamedTuple):
     """Something that a model asked for, and the hash of what it was given, None for nothing."""
 
-    kind: Literal["file", "folder", "variable", "working folder", "module"]
-    # A path is absolute, or relative to the folder that holds `generated`; "" of a variable: all
-    # names that there are.
-    name: str
+    kind: Literal["file", "folder", "variable", "working folder"]
+    name: str  # an absolute path; "" of a variable: all names that there are
     value: str | None
 
 
@@ -56,12 +54,7 @@ def generator_state() -> str:
     return f"{version('sympy')} {source_hash('codegen')}"
 
 
-def relative(path: Path, base: Path) -> str:
-    """A path from a folder on if it lies in it, else the path itself."""
-    return (path.relative_to(base) if path.is_relative_to(base) else path).as_posix()
-
-
-def value_of(kind: str, name: str | Path) -> str | None:
+def value_of(kind: str, name: str) -> str | None:
     """The hash of what a model is given now, None for nothing: `name` is a path or a variable."""
     try:
         if kind == "file":
@@ -70,10 +63,8 @@ def value_of(kind: str, name: str | Path) -> str | None:
             content = Path(name).read_bytes()
         elif kind == "folder":
             content = repr(sorted(os.listdir(name))).encode()  # noqa: PTH208 (names alone)
-        elif kind == "module":  # by its place
-            return str(bool(PathFinder.find_spec(Path(name).name, [str(Path(name).parent)])))
         elif kind == "variable":
-            content = repr(os.environ[str(name)] if name else sorted(os.environ)).encode()
+            content = repr(os.environ[name] if name else sorted(os.environ)).encode()
         else:
             content = os.fsencode(Path.cwd())
     except (OSError, KeyError):
@@ -83,38 +74,41 @@ def value_of(kind: str, name: str | Path) -> str | None:
 
 def of_this_generator(path: Path, digest: str) -> bool:
     """Whether a record says that this generator made a generated file's text, of that SHA-256."""
-    return any(row[:2] == (digest, generator_state()) for row in _records(path))
+    return any(row[:2] == (digest, generator_state()) for row in records(path))
 
 
-def unchanged(path: Path, digest: str | None, model: Path | None) -> Record | None:
-    """The record of a generated file, where all that it was made from is as it was; else None.
+def unchanged(path: Path, digest: str | None, model: Path) -> Record | None:
+    """The record of a file that was generated from `model`, if all is as it was; else None.
 
-    Its text has the SHA-256 `digest`, unless that is None, and it comes from the file `model`,
-    unless that is None.
+    Its text has the SHA-256 `digest`, unless that is None.
     """
-    base = path.resolve().parent.parent
-    for record in _records(path):
-        if digest not in (None, record.text) or record.generator != generator_state():
-            continue
-        first = [base / row.name for row in record.inputs[:1] if row.kind == "file"]
-        if model is not None and first != [model.resolve()]:
-            continue
-        if all(
-            value_of(kind, name if kind == "variable" else base / name) == value
-            for kind, name, value in record.inputs
+    for record in records(path):
+        if (
+            digest in (None, record.text)
+            and record.generator == generator_state()
+            and [row.name for row in record.inputs[:1]] == [str(model)]
+            and all(value_of(kind, name) == value for kind, name, value in record.inputs)
         ):
             return record
     return None
 
 
-def superseded(path: Path, digest: str, model: Path) -> bool:
-    """Whether records say that a text, of this SHA-256, would be another one now."""
-    return any(_records(path)) and unchanged(path, digest, model) is None
+def fresh_digest(path: Path, model: Path, scene: str) -> str | None:
+    """SHA-256 of a scene's file; None where that, or its model, must be read anew.
+
+    Raises GeneratedFileError if it was edited by hand.
+    """
+    if not path.is_file():
+        return None
+    text = read_generated(path)
+    check_signature(path, text, f"linkwright build {model} --scene {scene} --out {path.parent}")
+    record = unchanged(path, text_hash(text), model)
+    return record.text if record and not record.unwatched else None
 
 
 def write_record(path: Path, record: Record) -> None:
     """Keep the record of a generated file, where a folder for it can be written."""
-    if record in _records(path):
+    if record in records(path):
         return
     for place in _places(path):
         with suppress(OSError, InputError):
@@ -124,7 +118,7 @@ def write_record(path: Path, record: Record) -> None:
             return
 
 
-def _records(path: Path) -> Iterator[Record]:
+def records(path: Path) -> Iterator[Record]:
     """All records of a generated file that can be read."""
     for place in _places(path):
         with suppress(OSError, ValueError, TypeError):
@@ -135,9 +129,7 @@ def _records(path: Path) -> Iterator[Record]:
 
 def _places(path: Path) -> Iterator[Path]:
     """Where a record may be: beside the machine code of the file."""
-    name = f"{path.stem}.build.json"
-    yield path.parent / "__pycache__" / name
     from codegen.machine_code.code_folders import code_folders  # which loads numba
 
-    folders = code_folders(path.parent)
-    yield from (folder / name for folder in folders if folder != path.parent / "__pycache__")
+    for folder in dict.fromkeys([path.parent / "__pycache__", *code_folders(path.parent)]):
+        yield folder / f"{path.stem}.build.json"

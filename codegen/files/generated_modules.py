@@ -4,19 +4,16 @@ Both sides of the compiler use this module, the driver to compile a file that it
 the runtime to load one. It imports nothing of the compiler.
 """
 
-import ast
 import contextlib
 import hashlib
-import importlib.util
 import os
 import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib.machinery import SourceFileLoader
 from pathlib import Path
-from types import CodeType, ModuleType
-from typing import Any
+from types import ModuleType
+from typing import Any, NamedTuple
 
 from codegen.errors import GeneratedFileError, SupersededError
 from codegen.machine_code.file_lock import locked
@@ -30,6 +27,7 @@ _UNROLL = re.compile(r"\bunroll(?:=['\"]| )(always|never)\b")  # in the header's
 _HEADER = 4000  # layout: characters of a generated file, in which its command stands
 _SIGNATURE = re.compile(rf"^{MARK}([0-9a-f]{{64}})$", re.MULTILINE)
 _IMPORT = re.compile(r"^import numba$", re.MULTILINE)
+_NAMES_PATHS = re.compile(r"^(?:#.*|SOURCES = (?:\(\n(?: .*\n)*\)|.*))\n", re.MULTILINE)
 FIRST_KERNEL = re.compile(r"^(?:@|def )", re.MULTILINE)
 
 
@@ -112,14 +110,7 @@ def content_hash(path: Path, digest: str) -> str:
     """
     text = loaded_text(path, digest) or read_generated(path)
     head = FIRST_KERNEL.split(text, maxsplit=1)[0]
-    named = [x for x in ast.parse(head).body if isinstance(x, ast.Assign)]
-    sources = [x for x in named if ast.unparse(x.targets[0]) == "SOURCES"]
-    lines = head.splitlines(keepends=True)
-    for statement in sources:
-        assert statement.end_lineno is not None
-        del lines[statement.lineno - 1 : statement.end_lineno]
-    kept = [line for line in lines if not line.startswith("#")]
-    return text_hash("".join(kept) + text[len(head) :])
+    return text_hash(_NAMES_PATHS.sub("", head) + text[len(head) :])
 
 
 def import_generated(path: Path, digest: str | None = None, text: str | None = None) -> ModuleType:
@@ -156,14 +147,10 @@ def _execute(name: str, path: Path, text: str) -> ModuleType:
 
     The module names no file: whatever reloads modules whose files have changed passes it by.
     """
-    loader = _TextLoader(name, str(path), text)
-    spec = importlib.util.spec_from_file_location(name, path, loader=loader)
-    assert spec is not None
-    spec.has_location = False
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
+    module = sys.modules[name] = ModuleType(name)
+    vars(module)["__loader__"] = source = _Text(str(path), text)
     try:
-        loader.exec_module(module)
+        source.execute(vars(module))
     except BaseException as error:
         del sys.modules[name]
         if not isinstance(error, Exception):
@@ -189,26 +176,21 @@ def alone(path: Path) -> Iterator[None]:
         yield
 
 
-class _TextLoader(SourceFileLoader):
-    """Python's own loader, of a text in place of a file; its `numba.njit` makes kernels of ours."""
+class _Text(NamedTuple):
+    """The text of a module, in the place of its loader: tracebacks ask it for lines."""
 
-    def __init__(self, name: str, path: str, text: str) -> None:
-        super().__init__(name, path)
-        self.text = text
+    path: str
+    text: str
 
-    def get_code(self, fullname: str) -> CodeType:
-        """The text, compiled; it imports no numba."""
-        text = _IMPORT.sub("", self.text, count=1)
-        return compile(text, self.path, "exec", dont_inherit=True)
-
-    def exec_module(self, module: ModuleType) -> None:
-        """Execute the text in a module, and compile its kernels."""
+    def execute(self, names: dict[str, Any]) -> None:
+        """Execute it in these names, which have its own `numba`, and compile its kernels."""
         from codegen.machine_code.kernels import execute
 
-        run = super().exec_module
-        execute(Path(self.path), self.text, vars(module), lambda: run(module))
+        text = _IMPORT.sub("", self.text, count=1)
+        code = compile(text, self.path, "exec", dont_inherit=True)
+        execute(Path(self.path), self.text, names, lambda: exec(code, names))
 
-    def get_source(self, fullname: str) -> str:
+    def get_source(self, name: str) -> str:
         """The text."""
         return self.text
 

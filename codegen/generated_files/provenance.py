@@ -9,7 +9,7 @@ import sympy
 from codegen.derive.equations import Equations
 from codegen.emit.line_wrapping import literal
 from codegen.emit.module import Origin, Unroll
-from codegen.files.build_records import Input, Record, generator_state, relative
+from codegen.files.build_records import Input, Record, generator_state
 from codegen.files.generated_modules import scene_path
 from codegen.files.library_folders import LIBRARY, models_folder
 from codegen.model import Model
@@ -32,15 +32,11 @@ def generated_path(
     return scene_path(folder, stem, equations.scene.name, tail)
 
 
-def record(file: ModelFile, model: Model, path: Path, digest: str) -> Record:
+def record(file: ModelFile, model: Model, digest: str) -> Record:
     """What a generated file, whose text has this SHA-256, was made from."""
-    base, scenes = path.resolve().parent.parent, tuple(model.scenes) or ("default",)
-    rows = [*(Input("file", str(source), value) for source, value in file.sources), *file.asked]
-    inputs = tuple(
-        row if row.kind == "variable" else row._replace(name=relative(Path(row.name), base))
-        for row in rows
-    )
-    return Record(digest, generator_state(), scenes, inputs, file.unwatched)
+    scenes = tuple(model.scenes) or ("default",)
+    sources = (Input("file", str(source), value) for source, value in file.sources)
+    return Record(digest, generator_state(), scenes, (*sources, *file.asked), file.unwatched)
 
 
 def origin(
@@ -53,7 +49,10 @@ def origin(
     builds the file.
     """
     base = path.resolve().parent.parent
-    named = [(relative(source, base), digest) for source, digest in file.sources]
+    named = [
+        ((source.relative_to(base) if source.is_relative_to(base) else source).as_posix(), digest)
+        for source, digest in file.sources
+    ]
     options = (
         "".join(f" --set {name}={literal(value)}" for name, value in sorted(settings.items()))
         + more

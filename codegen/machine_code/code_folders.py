@@ -12,7 +12,6 @@ import shutil
 import sys
 import tempfile
 import threading
-import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
@@ -23,6 +22,7 @@ import llvmlite  # type: ignore[import-untyped]
 import numba
 from llvmlite import binding
 
+from codegen.errors import note
 from codegen.machine_code.undocumented_names import PLAIN, UserProvidedCacheLocator
 
 _config: Any = numba.config  # which numba leaves untyped
@@ -151,13 +151,10 @@ def note_unkept() -> None:
 
     What was compiled is right, and runs.
     """
-    text = (
+    note(
         "Machine code cannot be kept, so that each process compiles it again, for some 20 s: no "
         "folder for it can be written, or its disk is full. Set the environment variable "
         "NUMBA_CACHE_DIR to a folder that can be written, or have whoever installed Linkwright "
-        "run `linkwright precompile`, once for all users."
+        "run `linkwright precompile`, once for all users.",
+        CacheWarning,
     )
-    try:
-        warnings.warn(text, CacheWarning, stacklevel=2)
-    except CacheWarning:  # warnings are errors here
-        sys.stderr.write(f"note: {text}\n")

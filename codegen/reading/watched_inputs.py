@@ -9,9 +9,9 @@ import ast
 import inspect
 import os
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -28,17 +28,15 @@ _ELSEWHERE = ("socket.", "subprocess.", "urllib.", "os.system", "os.exec", "os.f
               "os.posix_spawn", "builtins.input")  # fmt: skip
 """Beginnings of audit events: other programs and computers are asked."""
 _UNSEEN = {
-    *("time", "time_ns", "now", "today", "utcnow", "localtime", "gmtime", "perf_counter"),
-    *("monotonic", "urandom", "uuid1", "uuid4", "randbits", "token_hex", "token_bytes"),
-    *("strftime", "ctime", "asctime", "parse_args", "parse_known_args"),
-    *("getpid", "gethostname", "cpu_count", "exists", "is_file", "is_dir", "isfile", "isdir"),
-    *("stat", "getmtime", "getsize", "access", "open_dataset", "load_dataset", "Dataset"),
-    *("read_parquet", "read_feather", "read_hdf", "read_orc", "read_table"),
+    *("time", "now", "today", "utcnow", "urandom", "uuid", "secrets", "argv", "argparse", "getpid"),
+    *("gethostname", "platform", "cpu_count", "exists", "is_file", "is_dir", "isfile", "isdir"),
+    *("stat", "getmtime", "getsize", "access", "h5py", "netCDF4", "open_dataset", "load_dataset"),
+    *("read_parquet", "read_feather", "read_hdf", "read_orc", "read_table", "load_result"),
 }
-"""Functions by the last part of their names: clocks, chance, looks at files without opening."""
+"""Names of modules and functions: clocks, arguments, looks at files, and files that C opens."""
+_RANDOM = {"random", "numpy.random"}
 _GENERATORS = {"default_rng", "Random", "RandomState", "SystemRandom", "seed", "SeedSequence"}
 """Functions that begin a sequence of random numbers, the same one where they are given a seed."""
-_RANDOM = {"random", "numpy.random", "secrets"}
 
 _watching: list["Watch"] = []
 
@@ -54,7 +52,11 @@ class Watch:
         """Note an audit event."""
         if event == "import" and given[1] is None:  # by its name
             for folder in filter(_is_local_folder, given[2]):
-                self.note("module", str(Path(folder, *given[0].split("."))))
+                stem = Path(folder, *given[0].split("."))
+                self.note("file", f"{stem}.py")
+                self.note("file", stem / "__init__.py")
+        elif event == "open" and str(given[1]).startswith(("w", "a", "x")):
+            pass  # it writes the file itself
         elif event in _PLACES:
             kind, place = _PLACES[event]
             self.note(kind, "." if kind == "folder" and given[place] is None else given[place])
@@ -66,6 +68,8 @@ class Watch:
         if not isinstance(name, str | bytes | os.PathLike) or not _asker(kind):
             return
         text = os.fsdecode(name)
+        if text == ":memory:":  # no file of SQLite's
+            return
         if kind != "variable":
             if not os.path.isabs(text):  # noqa: PTH117
                 self.asked["working folder", ""] = None
@@ -84,24 +88,28 @@ class Watch:
 def watched() -> Iterator[Watch]:
     """Watch what is asked for in the block."""
     _listen()
-    watch, environment = Watch(), vars(os.environ)
-    usual = {word: environment[word] for word in ("encodekey", "decodekey")}
+    watch = Watch()
 
-    def look_up(name: str) -> Any:
+    def look_up(encode: Callable[[Any], Any], name: Any) -> Any:
         watch.note("variable", name)
-        return usual["encodekey"](name)
+        return encode(name)
 
-    def list_name(name: Any) -> Any:
+    def list_name(decode: Callable[[Any], Any], name: Any) -> Any:
         watch.note("variable", "")
-        return usual["decodekey"](name)
+        return decode(name)
 
+    environments = [vars(os.environ), vars(getattr(os, "environb", os.environ))]
+    usual = [dict(one) for one in environments]
+    for one, before in zip(environments, usual, strict=True):
+        one["encodekey"] = partial(look_up, before["encodekey"])
+        one["decodekey"] = partial(list_name, before["decodekey"])
     _watching.append(watch)
-    environment.update(encodekey=look_up, decodekey=list_name)
     try:
         yield watch
     finally:
-        environment.update(usual)
         _watching.remove(watch)
+        for one, before in zip(environments, usual, strict=True):
+            one.update(before)
 
 
 @cache
@@ -145,27 +153,19 @@ def _asker(kind: str = "") -> str:
 
 
 def unseen_requests(files: Iterable[Path]) -> Iterator[str]:
-    """What Python files ask for, unless as programs of their own, that nobody can watch."""
-    unseen = {"argv"} | {x for x in [*sys.modules] if not getattr(sys.modules[x], "__spec__", 0)}
+    """What Python files name, unless as programs of their own, that nobody can watch.
+
+    Random numbers are the same ones where every generator of a file is given a seed.
+    """
+    in_memory = {x for x in [*sys.modules] if not getattr(sys.modules[x], "__spec__", None)}
     for file in files:
         tree = ast.parse(file.read_bytes())
         tree.body = [x for x in tree.body if not ast.unparse(x).startswith("if __name__ ")]
         nodes: list[Any] = [*ast.walk(tree)]
-        drawn = {
-            x.asname or x.name for n in nodes if getattr(n, "module", 0) in _RANDOM for x in n.names
-        }  # fmt: skip
-        names = [(getattr(x, k, 0), x) for x in nodes for k in ("attr", "module", "name")]
-        yield from (f"{name}, {file.name}, line {x.lineno}" for name, x in names if name in unseen)
         calls = [node for node in nodes if isinstance(node, ast.Call)]
-        named = [(ast.unparse(call.func).split("."), call) for call in calls]
-        seeded = any(parts[-1] == "seed" and call.args for parts, call in named)
-        for parts, call in named:
-            last, begins, of_object = parts[-1], parts[-1] in _GENERATORS, "(" in "".join(parts)
-            chance = last in drawn or ("random" in parts[:-1] and not of_object)
-            if (
-                last in _UNSEEN
-                or parts[0] == "h5py"
-                or (begins and not call.args and not call.keywords)
-                or (chance and not begins and not seeded)
-            ):
-                yield f"{'.'.join(parts)}, {file.name}, line {call.lineno}"
+        begun = [x for x in calls if ast.unparse(x.func).rpartition(".")[2] in _GENERATORS]
+        seeded = begun and all(call.args or call.keywords for call in begun)
+        unseen = _UNSEEN | in_memory | (set() if seeded else _RANDOM)
+        for node in nodes:
+            named = {getattr(node, part, None) for part in ("attr", "module", "name")}
+            yield from (f"{name}, {file.name}, line {node.lineno}" for name in named & unseen)

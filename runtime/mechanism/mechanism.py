@@ -20,13 +20,11 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError, GeneratedFileError, SupersededError
-from codegen.files.build_records import superseded, unchanged
+from codegen.files.build_records import fresh_digest, records, unchanged
 from codegen.files.generated_modules import (
-    check_signature,
     companion_path,
     import_generated,
     loaded_text,
-    read_generated,
     scene_path,
     text_hash,
     unroll_of,
@@ -39,6 +37,7 @@ from runtime.mechanism.system import Reduced, Tangents, common_system, gather_ta
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
+    from codegen.generated_files.generated_file import SceneReport
 
 Values = Mapping[str, float]
 
@@ -202,19 +201,33 @@ class Mechanism:
         if text is not None:
             place = companion_path(origin.path, kind)
             return import_generated(place, text_hash(text), text)
+        _, scene = self.declared(f"its {CONTENTS[kind]}")
+        (report,) = self.rebuilt(f"its {CONTENTS[kind]}", scene, **{kind: True})
+        companion = getattr(report, kind)
+        return import_generated(companion.path, companion.digest)
+
+    def rebuilt(self, what: str, *scenes: "str | Scene", **kinds: Any) -> "tuple[SceneReport, ...]":
+        """New builds of scenes of its model; SupersededError if its own has another text now."""
         from codegen import build
 
-        source, wanted = self.declared(f"its {CONTENTS[kind]}"), {kind: True, "unroll": None}
-        (report,) = build(*source, origin.path.parent, compile=False, **wanted).scenes  # type: ignore[arg-type]
-        companion = getattr(report, kind)
-        if report.digest != origin.digest or companion is None:
-            raise SupersededError(
-                f"{origin.path} is {origin.digest[:12]}... in this machine and "
-                f"{report.digest[:12]}... now: the model, or the generator, has changed since the "
-                f"machine of scene '{self.description.scene}' was loaded, and its "
-                f"{CONTENTS[kind]} would be those of another one. Load the machine again."
-            )
-        return import_generated(companion.path, companion.digest)
+        origin, (model, _) = self.need_origin(what), self.declared(what)
+        folder = origin.path.parent
+        reports = build(model, scenes, folder, compile=False, **{"unroll": None, **kinds}).scenes
+        for now in (one.digest for one in reports if one.path == origin.path):
+            if now != origin.digest:
+                unseen = "; ".join(x for record in records(origin.path) for x in record.unwatched)
+                why = (
+                    f"its numbers may differ at each reading ({unseen}). Give its random numbers a "
+                    "seed, or make parameters of what differs."
+                    if unseen else
+                    "the model, or the generator, has changed since the machine of scene "
+                    f"'{self.description.scene}' was loaded. Load the machine again."
+                )  # fmt: skip
+                raise SupersededError(
+                    f"{origin.path} is {origin.digest[:12]}... in this machine and {now[:12]}... "
+                    f"now, so that {what} would be that of another one: {why}"
+                )
+        return reports
 
 
 def read_mechanism(
@@ -280,30 +293,23 @@ def _built(mechanism: Mechanism, scene: str, joints: Set[str]) -> Mechanism:
     what = f"scene '{scene}', in which the run goes on,"
     origin = mechanism.need_origin(what)
     own = origin.path.stem.partition("__")[0]
-    place = scene_path(origin.path.parent, own, scene)
-    if isinstance(origin.model, Path):
-        if superseded(origin.path, origin.digest, origin.model):
-            raise SupersededError(
-                f"{mechanism.title}: {origin.model}, what it asks for, or the generator is not as "
-                f"it was when the machine was loaded, so {what} would be that of another one. Load "
-                "the machine again."
-            )
-        if isinstance(origin.scene, str) and place.is_file():
-            text = read_generated(place)
-            check_signature(place, text, f"linkwright build {origin.model} --scene {scene}")
-            if unchanged(place, text_hash(text), origin.model) is not None:
-                return read_mechanism(place, text_hash(text), origin.model, scene)
-    from codegen import build
-
+    file = origin.model if isinstance(origin.model, Path) else None
+    known = unchanged(origin.path, origin.digest, file) if file else None
+    if file and known and isinstance(origin.scene, str):
+        place = scene_path(origin.path.parent, own, scene)
+        if digest := fresh_digest(place, file, scene):
+            return read_mechanism(place, digest, file, scene)
     model, declared = mechanism.declared(what)
     wanted: str | Scene = scene
     if not isinstance(declared, str):
         assert declared.owner is not None
         after = {*declared.connected} ^ joints
         wanted = declared.owner.reconnected(declared, tuple(after))
-    unroll: Any = unroll_of(origin.path)
-    folder = origin.path.parent
-    (report,) = build(model, wanted, folder, compile=False, unroll=unroll).scenes
+    is_sure = file is None or (known is not None and not known.unwatched)
+    reports = mechanism.rebuilt(
+        what, *([] if is_sure else [declared]), wanted, unroll=unroll_of(origin.path)
+    )
+    report = next(one for one in reports if is_sure or one.path != origin.path)
     return read_mechanism(report.path, report.digest, model, wanted)
 
 

@@ -14,6 +14,7 @@ from codegen.errors import SupersededError
 from codegen.files import build_records
 from codegen.files.build_records import unchanged
 from codegen.files.generated_modules import text_hash
+from runtime import load
 from runtime.machine_facade import Machine
 from runtime.machine_loading import _fresh_module
 from runtime.mechanism.mechanism import read_mechanism
@@ -101,7 +102,11 @@ def _digest(place: Path, scene: str | None = "swing") -> str:
         ("import subprocess\nL = float(subprocess.check_output(['cat', 'data.txt']))", False),
         ("import numpy\nL = 1.0 + 0.0 * numpy.random.default_rng(3).random()", True),
         ("import numpy\nL = 1.0 + 0.0 * numpy.random.normal()", False),
+        ("import numpy\nL = 1.0 + 0.0 * numpy.random.default_rng().normal()", False),
+        ("import random as rnd\nL = 1.0 + 0.0 * rnd.gauss()", False),
         ("import datetime\nL = 1.0 + 0.0 * datetime.datetime.now().year", False),
+        ("from time import time as clock\nL = 1.0 + 0.0 * clock()", False),
+        ("import os\nL = float(os.environb[b'LENGTH_OF_IT'])", True),
     ],
 )
 @pytest.mark.filterwarnings("ignore:unclosed file:ResourceWarning")
@@ -128,8 +133,12 @@ def test_all_that_a_model_asks_for_counts(place: Path, ahead: str, is_watched: b
 def test_without_a_change_nothing_is_built_and_other_sources_build_again(
     place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (place / "pendulum.py").write_text(f"L = 1.0\n{PENDULUM}")
+    ahead = (
+        f"import sqlite3\nsqlite3.connect(':memory:').close()\nopen({str(place)!r} + '/log', 'w')"
+    )
+    (place / "pendulum.py").write_text(f"{ahead}.close()\nL = 1.0\n{PENDULUM}")
     first, built = _digest(place, None), []
+    (place / "log").write_text("another program")
     module = place / "generated" / "pendulum__swing.py"
     date = module.stat().st_mtime_ns
 
@@ -175,3 +184,17 @@ def test_a_run_does_not_go_on_in_a_scene_of_another_model(place: Path, changed: 
         _data(0.5)
     with pytest.raises(SupersededError, match=r"Load the machine again"):
         machine.simulate(0.5, 3)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_model_of_chance_is_told_how_it_can_be_built_further(
+    place: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    released = 'model.release(model.joints["hinge"], when=bob.phi < -0.1)\nmodel.scene('
+    text = PENDULUM.replace("model.scene(", released)
+    (place / "pendulum.py").write_text(f"import random\nL = 1.0 + random.random()\n{text}")
+    machine = load(place / "pendulum.py", "swing")
+    assert "random, pendulum.py, line 1" in capsys.readouterr().err
+    for needed in (lambda: machine.simulate(0.5, 3), lambda: machine.mechanism.reduced):
+        with pytest.raises(SupersededError, match=r"differ at each reading \(random.*a\s+seed"):
+            needed()

@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from codegen.emit.module import Origin, module_text
-from codegen.files.generated_modules import _TextLoader, import_generated
+from codegen.files.generated_modules import _IMPORT, _Text, import_generated
 from codegen.machine_code import kernels
 from tests.codegen.machine_code.kernel_texts import EXACT, HEAD, plain, python_only
 from tests.codegen.reroll.machines import lowered
@@ -174,11 +174,10 @@ def test_programs_compute_what_python_does(
     text = PROGRAM.format(*parts)
     name = f"program_{abs(hash(text))}"
     path = str(tmp_path_factory.getbasetemp() / f"{name}.py")
-    loader = _TextLoader(name, path, f"{HEAD}{EXACT}\n{text}")
+    source = _Text(path, f"{HEAD}{EXACT}\n{text}")
     sys.modules[name] = module = ModuleType(name)
-    module.__loader__ = loader
     try:
-        loader.exec_module(module)
+        source.execute(vars(module))
     finally:
         del sys.modules[name]
     ours, python = np.zeros(4), np.zeros(4)
@@ -232,9 +231,8 @@ def test_products_and_sums_may_be_contracted(imported: Any) -> None:
 
 def declared(path: Path) -> tuple[list[Any], dict[str, Any]]:
     """The kernels of a generated file, and the names of its text."""
-    loader = _TextLoader(path.stem, str(path), path.read_text())
-    names: dict[str, Any] = {"__loader__": loader, "numba": kernels.NumbaOfTexts(kernels.declare)}
-    exec(loader.get_code(path.stem), names)
+    names: dict[str, Any] = {"numba": kernels.NumbaOfTexts(kernels.declare)}
+    exec(_IMPORT.sub("", path.read_text(), count=1), names)
     found = [one for one in names.values() if isinstance(one, kernels.Kernel) and one.declared]
     return found, names
 
