@@ -1,6 +1,6 @@
 """Gears (Haug, section 3.4) and belts, and the bearings and the carrier of two wheels."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Iterable, Mapping
 from itertools import product
 from typing import Any
 
@@ -81,9 +81,11 @@ class Gear(Constraint):
 
     def problems(self) -> list[str]:
         """A wheel without a bearing once a weld is released."""
-        return released_bearings(
-            self, lambda joints: find_carrier(self.i, self.j, joints) is not None
-        )
+        return released_bearings(self)
+
+    def carriers(self, joints: Mapping[str, Constraint]) -> "Carriers":
+        """The bodies that keep the centres apart."""
+        return find_carriers([self.i], [self.j], joints)
 
     def statement(self) -> Statement:
         """One equation, m: the distance of centre j from the line that the angles call for."""
@@ -111,10 +113,10 @@ class Gear(Constraint):
             )
             for v, text in radii
         )  # fmt: skip
-        span = find_carrier(self.i, self.j, lasting(self))
-        if span is None:
+        carriers = self.carriers(lasting(self))
+        if not carriers:
             return conditions
-        carrier, dx, dy = span
+        carrier, dx, dy = carriers[0]
         distance, mesh = sympy.sqrt(dx**2 + dy**2), sympy.Abs(i + j)
         text = (
             f"the bearings on '{carrier.name}' hold the centres {{1:.9g}} m apart, but {pair} mesh "
@@ -126,8 +128,8 @@ class Gear(Constraint):
     def _line(self) -> sympy.Expr:
         if self.line is not None:
             return self.line
-        span = find_carrier(self.i, self.j, lasting(self))
-        return sympy.S.Zero if span is None else sympy.atan2(span[2], span[1])
+        carriers = self.carriers(lasting(self))
+        return sympy.atan2(carriers[0][2], carriers[0][1]) if carriers else sympy.S.Zero
 
     def shapes(self) -> shapes.Shapes:
         """Two toothed wheels."""
@@ -148,16 +150,14 @@ def lasting(element: Any) -> dict[str, Constraint]:
     }
 
 
-def released_bearings(
-    element: Any, is_carried: Callable[[Mapping[str, Constraint]], Any]
-) -> list[str]:
+def released_bearings(element: Any) -> list[str]:
     """The problem of wheels that only a weld which comes and goes keeps on a carrier."""
     kept, joints = lasting(element), element.joints
-    if is_carried(kept) or not is_carried(joints):
+    if element.carriers(kept) or not element.carriers(joints):
         return []
     welds = [name for name in joints if name not in kept]
-    each = {w: {name: joints[name] for name in joints if name != w} for w in welds}
-    needed = [w for w in welds if not is_carried(each[w])]
+    others = ({name: joints[name] for name in joints if name != weld} for weld in welds)
+    needed = [w for w, o in zip(welds, others, strict=True) if not element.carriers(o)]
     names = " and ".join(f"'{name}'" for name in needed or welds)
     problem = (
         f"{label(element)}: a wheel is on its carrier by weld {names}, which comes and goes, and "
@@ -167,47 +167,46 @@ def released_bearings(
     return [problem]
 
 
-def find_carrier(
-    i: Point, j: Point, joints: Mapping[str, Constraint]
-) -> tuple[Body, sympy.Expr, sympy.Expr] | None:
-    """The body that keeps two points apart, and the way from `i` to `j` in its frame, m.
+Carriers = list[tuple[Body, sympy.Expr, sympy.Expr]]
 
-    A body does so if each of the points is its own, or sits on it by revolute joints or welds at
-    just this place, over other bodies on the same axle too. Where there is none, bodies that welds
-    join anywhere count as one: that with a bearing is chosen, rather than the ground. None where
-    the declaration shows no such body.
+
+def find_carriers(
+    i: Iterable[Point], j: Iterable[Point], joints: Mapping[str, Constraint]
+) -> Carriers:
+    """The bodies that keep two axles apart, and the way from one to the other in their frames, m.
+
+    `i` and `j` are where the axles of the wheels may be. A body keeps them apart if each is its
+    own, or sits on it by revolute joints or welds at just this place, over other bodies on the same
+    axle too. Bodies that welds join anywhere count as one: those with a bearing come first, the
+    ground last. None where the declaration shows no such body.
     """
-    axles = [_axle(point, joints) for point in (i, j)]
-    found = [(a, b) for a, b in product(*axles) if a.body is b.body]
-    if not found:
-        near = {place.body for axle in axles for place in axle}
-        axles = [_axle(point, joints, anywhere=True) for point in (i, j)]
-        found = [(a, b) for a, b in product(*axles) if a.body is b.body]
-        found.sort(key=lambda pair: (pair[0].body not in near, pair[0].body.fixed))
-    for first, second in found:
-        return first.body, second.sx - first.sx, second.sy - first.sy
-    return None
+    ways = (product(_axle(one, joints), _axle(other, joints)) for one, other in product(i, j))
+    found = [
+        (from_i + from_j, a.body, b.sx - a.sx, b.sy - a.sy)
+        for way in ways
+        for (a, from_i), (b, from_j) in way
+        if a.body is b.body
+    ]
+    return [row[1:] for row in sorted(found, key=lambda row: (row[0], row[1].fixed))]
 
 
-def _axle(point: Point, joints: Mapping[str, Constraint], anywhere: bool = False) -> list[Point]:
-    """The point, and those of other bodies that joints keep at the same place.
-
-    Revolute joints and welds do at theirs, and welds `anywhere` in their bodies.
-    """
+def _axle(point: Point, joints: Mapping[str, Constraint]) -> list[tuple[Point, bool]]:
+    """The place of an axle in all bodies that keep it, and whether only a weld elsewhere does."""
     pins = [pin for pin in joints.values() if isinstance(pin, Revolute | Weld)]
-    points = [point]
-    for place in points:
+    found = [(point, False)]
+    for place, away in found:
         for pin in pins:
             for here, there, way in ((pin.i, pin.j, -1), (pin.j, pin.i, 1)):
-                if here.body is not place.body or any(p.body is there.body for p in points):
+                if here.body is not place.body or any(p.body is there.body for p, _ in found):
                     continue
                 x, y = place.sx - here.sx, place.sy - here.sy
                 if _is_zero(x) and _is_zero(y):
-                    points.append(there)
-                elif anywhere and isinstance(pin, Weld):
+                    found.append((there, away))
+                elif isinstance(pin, Weld):
                     c, s = sympy.cos(pin.angle), way * sympy.sin(pin.angle)
-                    points.append(there.body.at(there.sx + c * x - s * y, there.sy + s * x + c * y))
-    return points
+                    at = there.body.at(there.sx + c * x - s * y, there.sy + s * x + c * y)
+                    found.append((at, True))
+    return found
 
 
 def _is_zero(gap: sympy.Expr) -> bool:
@@ -248,41 +247,25 @@ class WheelPair:
                 "carries the bearings, or leave it out for the ground."
             )
         else:
-            found = _carriers(i, j, lasting(self))
-            if found and not any(carrier in _welded(body, lasting(self)) for body in found):
+            found = [body for body, *_ in self.carriers(lasting(self))]
+            if found and carrier not in found:
                 problems.append(
                     f"{where} turns against '{carrier.name}', but the bearings of '{i.name}' and "
                     f"'{j.name}' are on '{found[0].name}'; give carrier= that body."
                 )
-            problems += released_bearings(self, lambda joints: _carriers(i, j, joints))
+            problems += released_bearings(self)
         return problems
 
+    def carriers(self, joints: Mapping[str, Constraint]) -> Carriers:
+        """The bodies beside the wheels that carry both.
 
-def _carriers(i: Body, j: Body, joints: Mapping[str, Constraint]) -> list[Body]:
-    """The bodies that joints show to carry both wheels, those on the same axle included.
-
-    A wheel's axle is at a revolute joint or weld of its own, or at its centre of mass.
-    """
-    pins = [pin for pin in joints.values() if isinstance(pin, Revolute | Weld)]
-    ends = [i.at(0, 0), j.at(0, 0), *(end for pin in pins for end in (pin.i, pin.j))]
-    found = (
-        find_carrier(one, other, joints)
-        for one in ends
-        if one.body is i
-        for other in ends
-        if other.body is j
-    )
-    return [carrier[0] for carrier in found if carrier is not None and carrier[0] not in (i, j)]
-
-
-def _welded(body: Body, joints: Mapping[str, Constraint]) -> list[Body]:
-    """A body and those that welds join with it."""
-    welds = [joint for joint in joints.values() if isinstance(joint, Weld)]
-    found = [body]
-    for one in found:
-        ends = (pair for w in welds for pair in ((w.i, w.j), (w.j, w.i)))
-        found += [b.body for a, b in ends if a.body is one and b.body not in found]
-    return found
+        A wheel's axle is at a revolute joint or weld of its own, or at its centre of mass.
+        """
+        pins = [pin for pin in joints.values() if isinstance(pin, Revolute | Weld)]
+        ends = [self.i.at(0, 0), self.j.at(0, 0), *(e for pin in pins for e in (pin.i, pin.j))]
+        on_i, on_j = ([end for end in ends if end.body is w] for w in (self.i, self.j))
+        found = find_carriers(on_i, on_j, joints)
+        return [carrier for carrier in found if carrier[0] not in (self.i, self.j)]
 
 
 RADIUS_I, RADIUS_J = given("radius_i"), given("radius_j")
