@@ -9,21 +9,15 @@ import numpy.typing as npt
 
 SAMPLES = 720  # safety: places on a profile at which its shape is looked at, every half degree
 ALPHAS = tuple(2 * math.pi * k / SAMPLES for k in range(SAMPLES + 1))
-TOLERANCE = 1e-9  # accuracy: gap or stop of a profile, in parts of its size, that rounding explains
-_CORNER = 1e-4  # accuracy: of a corner, rad, and of 100 gaps in parts of a profile's size
-_TIMES = 4  # measured: how often an interval of α is divided by 8 in which there may be one
-_MOST = 3000  # safety: samples of a profile
+TOLERANCE = 1e-9  # accuracy: of curvatures, in parts of a profile's size or of 1
+_JUMP = 1e-4  # accuracy: of a corner, rad, and of 100 gaps in parts of a profile's size
+_HALVINGS = 12  # measured: how often an interval of α is halved in which there may be one
+_MOST = 3000  # safety: samples of a profile, beyond which no more are halved
 # accuracy: of a roller's radius; a cut that is less deep is one of sampled points
 _CUT = 1e-6
 _ONCE = 1.5  # safety: turns of a tangent along a curve that goes round once
 Array = npt.NDArray[np.float64]
-
-
-class ProfileSamples(NamedTuple):
-    """Samples of a closed curve."""
-
-    alphas: Array  # ascending from 0 to 2π, (k,)
-    points: Array  # x, y and their first two derivatives, (k, 6)
+Vectors = npt.NDArray[np.complex128]
 
 
 class RollerCut(NamedTuple):
@@ -68,161 +62,149 @@ def violated_conditions(
             yield f"{row.element}: {row.sentence.format(*values)}"
 
 
-def profile_problems(rows: Sequence[ProfileRow], curves: Sequence[ProfileSamples]) -> Iterator[str]:
-    """A sentence for each curve that is not as it has to be, or is cut by its roller."""
-    for k, (row, curve) in enumerate(zip(rows, curves, strict=True)):
-        found = [*shape_problems(curve, row.convex)]
-        yield from (f"{row.element}: {problem}" for problem in found)
-        judged = row.touches and not row.contact and not found
-        if judged and (cut := roller_cut(curve, curves[k + 1], row.touches < 0)):
+def profile_problems(rows: Sequence[ProfileRow], curves: Sequence[Array]) -> Iterator[str]:
+    """A sentence for each sampled curve that is not as it has to be, or is cut by its roller."""
+    found = [
+        f"{row.element}: {problem}"
+        for row, curve in zip(rows, curves, strict=True)
+        for problem in shape_problems(curve, row.convex)
+    ]
+    yield from found
+    for k, row in enumerate(() if found else rows):
+        judged = row.touches and not row.contact
+        if judged and (cut := roller_cut(curves[k], curves[k + 1], row.touches < 0)):
             yield f"{rows[k + cut.which].element}: {cut.sentence}"
 
 
-def profile_samples(at: Callable[[Array], Array]) -> list[ProfileSamples]:
-    """Curves at α = `ALPHAS`, and closer where a tangent turns fast, or pieces meet.
+def sample_profile(at: Callable[[Array], Array]) -> Array:
+    """Samples of a closed curve, (k, 7): α from 0 to 2π, and what `at` returns, (k, 6), for α.
 
-    `at` returns x, y and their first and second derivatives, (k, 6 curves), for α, (k,).
+    These are x, y and their first and second derivatives, those at 0 again at 2π. Samples are
+    closer where the tangent turns fast, or pieces meet.
     """
     alphas = np.array(ALPHAS)
-    points = at(alphas)
-    count = points.shape[1] // 6
-    for _ in range(_TIMES):
-        jumps = [_jumps(alphas, curve) for curve in np.split(points, count, axis=1)]
-        wide = np.flatnonzero(np.max(jumps, axis=0) > _CORNER)
-        if not len(wide) or len(alphas) + 7 * len(wide) > _MOST:
+    rows = np.column_stack([alphas, at(alphas % ALPHAS[-1])])
+    for _ in range(_HALVINGS):
+        wide = np.flatnonzero(_jumps(rows).max(axis=0) > _JUMP)
+        if not len(wide) or len(rows) > _MOST:
             break
-        parts = np.linspace(alphas[wide], alphas[wide + 1], 9)[1:-1].T.ravel()
-        place = np.repeat(wide + 1, 7)
-        points = np.insert(points, place, at(parts), axis=0)
-        alphas = np.insert(alphas, place, parts)
-    return [ProfileSamples(alphas, curve) for curve in np.split(points, count, axis=1)]
+        middles = 0.5 * (rows[wide, 0] + rows[wide + 1, 0])
+        rows = np.insert(rows, wide + 1, np.column_stack([middles, at(middles)]), axis=0)
+    return rows
 
 
-def _jumps(alphas: Array, points: Array) -> Array:
-    """Corners, rad, or 100 gaps in parts of the size, between samples of a profile.
+def _vectors(rows: Array) -> tuple[float, Vectors]:
+    """The size of a curve, m, and places, derivatives, second ones in parts of it, (3, k).
 
-    Turns and ways that the derivatives at both samples do not explain.
+    So no product overflows, however large it is.
     """
-    with np.errstate(all="ignore"):  # other checks are of what is no number, or 0
-        points = points / np.abs(points[:, :2]).max()
-        place, tangent, bend = (points[:, k] + 1j * points[:, k + 1] for k in (0, 2, 4))
-        rates, half = (bend / tangent).imag, np.diff(alphas) / 2
-        corners = np.abs(np.angle(np.exp(1j * (_turns(points) - half * (rates[1:] + rates[:-1])))))
+    size = float(np.abs(rows[:, 1:3]).max()) or 1.0
+    points = rows[:, 1:] / size
+    return size, (points[:, ::2] + 1j * points[:, 1::2]).T
+
+
+def _turns(tangent: Vectors) -> Array:
+    """By how much the tangent turns from each sample to the next, rad."""
+    turns: Array = np.angle(tangent[1:] * tangent[:-1].conj())
+    return turns
+
+
+def _curvatures(tangent: Vectors, bend: Vectors) -> Array:
+    """In parts of 1 through a curve's size, positive where it turns to the left."""
+    curvatures: Array = (tangent.conj() * bend).imag / np.abs(tangent) ** 3
+    return curvatures
+
+
+def _jumps(rows: Array) -> Array:
+    """Corners, rad, and 100 gaps in parts of the size, between samples of a curve, (2, k - 1).
+
+    Turns and ways that the derivatives at both samples do not explain; a cusp is a corner of π.
+    """
+    half = 0.5 * np.diff(rows[:, 0])
+    with np.errstate(all="ignore"):  # of what is no number, or 0
+        place, tangent, bend = _vectors(rows)[1]
+        rates = (bend / tangent).imag
+        turns = _turns(tangent / np.abs(tangent)) - half * (rates[1:] + rates[:-1])
         gaps = np.abs(np.diff(place) - half * (tangent[1:] + tangent[:-1]))
-    jumps: Array = np.fmax(np.fmax(corners, 100.0 * gaps), 0.0)
+        corners = np.abs(np.angle(np.exp(1j * turns)))
+    jumps: Array = np.nan_to_num([corners, 100.0 * gaps], nan=np.pi)
     return jumps
 
 
-def _turns(points: Array) -> Array:
-    """By how much the tangent turns from each sample of a profile to the next, rad."""
-    tangent = points[:, 2] + 1j * points[:, 3]
-    with np.errstate(all="ignore"):  # other checks are of what is no number, or 0
-        tangent /= np.abs(tangent)
-        turns: Array = np.angle(tangent[1:] * tangent[:-1].conj())
-    return np.where(np.isnan(turns), 0.0, turns)
-
-
-def shape_problems(profile: ProfileSamples, convex: bool) -> Iterator[str]:
+def shape_problems(rows: Array, convex: bool) -> Iterator[str]:
     """The first problem of a closed curve, from its samples."""
-    alphas, points = profile
-    finite = np.isfinite(points).all(axis=1)
+    alphas, finite = rows[:, 0], np.isfinite(rows).all(axis=1)
     if not finite.all():
         worst = alphas[np.argmin(finite)]
         yield f"the profile is not finite everywhere from α = 0 to 2π, as at α = {worst:.4g} rad."
         return
-    size = float(np.abs(points[:, :2]).max()) or 1.0
-    points = points / size  # no product overflows, however large it is
-    dx, dy, x2, y2 = points.T[2:]
-    apart, speeds = math.dist(points[0, :2], points[-1, :2]), np.hypot(dx, dy)
-    slowest, turns = int(np.argmin(speeds)), np.abs(_turns(points))
-    corner = float(np.degrees(abs(_turns(points[[-1, 0]])[0])))
-    jumps = np.where(np.diff(alphas) < 8.0 ** (1 - _TIMES) * ALPHAS[1], _jumps(*profile), 0.0)
-    edge = int(np.argmax(jumps))
-    if apart > TOLERANCE:
+    size, (_, tangent, bend) = _vectors(rows)
+    narrow = np.diff(alphas) < 2.0 ** (1 - _HALVINGS) * ALPHAS[1]
+    jumps = np.where(narrow, _jumps(rows), 0.0)
+    corner, gap = jumps[:, edge := int(np.argmax(jumps.max(axis=0)))]
+    if gap > max(corner, _JUMP):
         yield (
-            f"the profile does not close: its ends at α = 0 and 2π are {size * apart:.3g} m apart; "
-            "give functions of period 2π."
+            f"the profile has a gap of {size * gap / 100:.3g} m at α = {alphas[edge]:.4g} rad; "
+            "give functions of period 2π, and pieces that meet."
         )
-    elif speeds[slowest] <= TOLERANCE:
+    elif corner > _JUMP:
         yield (
-            f"the profile has a cusp: at α = {alphas[slowest]:.4g} rad its tangent is "
-            f"{size * speeds[slowest]:.3g} m per rad; give a smooth profile."
-        )
-    elif np.radians(corner) > _CORNER:
-        yield (
-            f"the profile has a corner where it closes: its tangents at α = 0 and 2π are "
-            f"{corner:.3g}° apart; give functions of period 2π."
-        )
-    elif jumps[edge] > _CORNER:
-        way = size * math.dist(points[edge, :2], points[edge + 1, :2])
-        yield (
-            f"the profile turns by {np.degrees(turns[edge]):.3g}° within {way:.2g} m at α = "
-            f"{alphas[edge]:.6g} rad: it is undercut, or has a corner or a gap; enlarge the base "
-            "circle, round the corner, or give pieces that meet there."
+            f"the profile has a corner or a cusp: at α = {alphas[edge]:.4g} rad its tangent turns "
+            f"by {np.degrees(corner):.3g}°; enlarge the base circle of a profile that is undercut, "
+            "else give functions of period 2π, and pieces that meet with one tangent."
         )
     elif convex:
-        bends = dx * y2 - dy * x2
-        bends *= 1.0 if bends.sum() > 0 else -1.0
-        least = int(np.argmin(bends))
-        if bends[least] <= TOLERANCE:
-            curvature = bends[least] / speeds[least] ** 3 / size
+        rounds = _turns(tangent).sum() / (2.0 * math.pi)
+        curvatures = np.sign(rounds) * _curvatures(tangent, bend)
+        least = int(np.argmin(curvatures))
+        if curvatures[least] <= TOLERANCE or abs(rounds) > _ONCE:
             yield (
                 f"the profile is not convex: at α = {alphas[least]:.4g} rad its curvature is "
-                f"{curvature:.3g} 1/m, and a flat face needs a positive one everywhere; enlarge "
-                "the base circle, or use a roller."
-            )
-        elif (rounds := float(turns.sum()) / (2.0 * math.pi)) > _ONCE:
-            yield (
-                f"the profile is not convex: from α = 0 to 2π its tangent turns round {rounds:.3g} "
-                "times, so that it crosses itself; give a radius that stays positive."
+                f"{curvatures[least] / size:.3g} 1/m, and from α = 0 to 2π its tangent turns by "
+                f"{360.0 * abs(rounds):.0f}°; a flat face needs a positive one everywhere, and "
+                "360°; enlarge the base circle, or use a roller."
             )
 
 
-def roller_cut(cam: ProfileSamples, other: ProfileSamples, inside: bool) -> RollerCut | None:
-    """The cut of a roller into the profile that it touches, from outside or `inside`.
+def roller_cut(cam: Array, other: Array, inside: bool) -> RollerCut | None:
+    """The cut of a roller into the sampled profile that it touches, from outside or `inside`.
 
     A roller is a circle; of two other curves nothing is known.
     """
     from scipy.spatial import KDTree  # takes a moment, and few scenes have cams
 
-    radii = [_radius(curve) for curve in (cam, other)]
+    radii = [_radius(rows) for rows in (cam, other)]
     if radii.count(None) != 1:
         return None
     which = radii.index(None)
-    alphas, points = (cam, other)[which]
-    size, alphas = float(np.abs(points[:, :2]).max()), alphas[:-1]
-    points, radius = points / size, (radii[1 - which] or 0.0) / size
-    x, y, dx, dy, x2, y2 = points[:-1].T
-    ring = inside and radius > 0.5 * max(np.ptp(x), np.ptp(y))  # the roller is one round it
-    if ring or not np.isfinite(points).all():
-        return None
-    way = np.sign(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1])) * (-1.0 if inside else 1.0)
-    speed = np.hypot(dx, dy)
-    hollows = way * (dy * x2 - dx * y2) / speed**3 * radius
-    centres = points[:-1, :2] + radius * way * np.stack([dy, -dx], axis=1) / speed[:, None]
-    apart, nearest = KDTree(points[:-1, :2]).query(centres)
+    rows = (cam, other)[which][:-1]
+    alphas, (size, (place, tangent, bend)) = rows[:, 0], _vectors(rows)
+    radius = (radii[1 - which] or 0.0) / size
+    if inside and radius > 0.5 * max(np.ptp(place.real), np.ptp(place.imag)):
+        return None  # the roller is a ring round it
+    way = np.sign(_turns(tangent).sum()) * (-1.0 if inside else 1.0)
+    hollows = -way * radius * _curvatures(tangent, bend)
+    centres = place - 1j * way * radius * tangent / np.abs(tangent)
+    tree = KDTree(np.column_stack([place.real, place.imag]))
+    apart, nearest = tree.query(np.column_stack([centres.real, centres.imag]))
     cuts = alphas[(hollows > 1.0 + TOLERANCE) | (radius - apart > _CUT * radius)]
     if not len(cuts):
         return None
-    roller, k = f"roller of the radius {size * radius:.4g} m", int(np.argmax(hollows))
-    text = (
-        f"at α = {alphas[k]:.4g} rad the profile is hollow with a radius of curvature of "
-        f"{size * radius / hollows[k]:.4g} m, too small for its {roller}; "
+    deepest, narrowest = int(np.argmin(apart)), int(np.argmax(hollows))
+    k = narrowest if hollows[narrowest] > 1.0 + TOLERANCE else deepest
+    return RollerCut(
+        which,
+        cuts,
+        f"the roller of the radius {size * radius:.4g} m, where it touches the profile at α = "
+        f"{alphas[k]:.4g} rad, cuts {size * (radius - apart[k]):.2g} m deep into it at α = "
+        f"{alphas[nearest[k]]:.4g} rad: the least radius of curvature of the hollows is "
+        f"{size * radius / hollows[narrowest]:.4g} m; give a smaller roller, a larger base circle "
+        "or a flatter profile.",
     )
-    if hollows[k] <= 1.0 + TOLERANCE:
-        k = int(np.argmin(apart))
-        text = (
-            f"the {roller}, where it touches the profile at α = {alphas[k]:.4g} rad, cuts "
-            f"{size * (radius - apart[k]):.3g} m deep into it at α = {alphas[nearest[k]]:.4g} rad; "
-        )
-    advice = "give a smaller roller, a larger base circle or a flatter profile."
-    return RollerCut(which, cuts, text + advice)
 
 
-def _radius(curve: ProfileSamples) -> float | None:
-    """The radius of a curve that is a circle, run through evenly; None of all others."""
-    place = curve.points[:-1, 0] + 1j * curve.points[:-1, 1]
-    even = np.isin(curve.alphas[:-1], ALPHAS)  # samples that lie closer would weigh more
-    apart = np.abs(place - place[even].mean())
-    radius = float(apart.mean())
-    return radius if np.ptp(apart) <= TOLERANCE * radius else None
+def _radius(rows: Array) -> float | None:
+    """The radius of a curve that is a circle, m; None of all others."""
+    size, (_, tangent, bend) = _vectors(rows)
+    curvatures = np.abs(_curvatures(tangent, bend))
+    return size / curvatures.mean() if np.ptp(curvatures) <= TOLERANCE * curvatures.mean() else None

@@ -13,17 +13,16 @@ from codegen.declare import element as el
 from codegen.declare.element import EXERTED, QUANTITIES, label
 from codegen.declare.element_fields import ROUNDING, sampled_profile
 from codegen.declare.returned_values import (
-    closed_curves,
     effect_expressions,
     friction_law,
     own_coordinates,
 )
 from codegen.declare.scene import Scene
-from codegen.declare.symbols import Coordinate, Parameter, Time, Velocity, alpha, kinds
+from codegen.declare.symbols import Coordinate, Parameter, Time, Velocity, kinds
 from codegen.derive.constraint_terms import constraint_terms
 from codegen.derive.effect_terms import available_quantities, effect_measures, effect_terms
 from codegen.derive.equations import parts_of
-from codegen.derive.parameter_conditions import element_conditions, profile_rows
+from codegen.derive.parameter_conditions import element_conditions, profiles_of
 from codegen.derive.switching_functions import Named, switches
 from codegen.model.scene_requests import ONE
 from codegen.parameter_conditions import profile_problems
@@ -143,10 +142,11 @@ class _SceneCheck:
             with errors_at(label(element)):
                 for one in element_conditions(element, self.parts.bodies):
                     yield from one.condition.problems(one.element, self.numbers)
-                rows = profile_rows(element, self.scene, self.parts.drivers.values(), self.numbers)
-                curves = [curve.at(alpha).subs(self.numbers)
-                          for _, curve, _ in closed_curves(element)]  # fmt: skip
-                yield from profile_problems(rows, [*map(sampled_profile, curves)])
+                drivers = self.parts.drivers.values()
+                profiles = profiles_of(element, self.scene, drivers, self.numbers)
+                shapes = [one.shape.subs(self.numbers).as_immutable() for one in profiles]
+                rows = [one.row for one in profiles]
+                yield from profile_problems(rows, [*map(sampled_profile, shapes)])
 
     def _outputs(self) -> Iterator[str]:
         """Outputs that need elements which the scene leaves out, and how to get them."""

@@ -23,8 +23,7 @@ from codegen.declare.symbols import Parameter, ParameterDeclaration, SignRule, a
 from codegen.parameter_conditions import (
     ALPHAS,
     ConditionRow,
-    ProfileSamples,
-    profile_samples,
+    sample_profile,
     shape_problems,
     violated_conditions,
 )
@@ -174,18 +173,13 @@ def profile_problems(profile: sympy.Matrix, closed: bool, convex: bool) -> Itera
                 "round; write the line so that it goes one way, such as (1, alpha)."
             )
         return
-    yield from shape_problems(sampled_profile(profile), convex)
-
-
-def sampled_profile(profile: sympy.Matrix) -> ProfileSamples:
-    """Samples of a closed curve that is written in alpha and numbers."""
-    return _sampled_profile(derivatives(profile))
+    yield from shape_problems(sampled_profile(profile.as_immutable()), convex)
 
 
 @lru_cache(16)  # of the curves of a machine, which are looked at again in each of its scenes
-def _sampled_profile(expressions: tuple[sympy.Expr, ...]) -> ProfileSamples:
-    (samples,) = profile_samples(lambda alphas: _sampled(expressions, tuple(alphas)))
-    return samples
+def sampled_profile(profile: sympy.ImmutableMatrix) -> Samples:
+    """Samples of a closed curve that is written in alpha and numbers."""
+    return sample_profile(lambda alphas: _sampled(derivatives(profile), tuple(alphas)))
 
 
 def derivatives(profile: sympy.Matrix) -> tuple[sympy.Expr, ...]:

@@ -19,6 +19,7 @@ from codegen.derive.inertia import inertia
 from codegen.derive.parameter_conditions import (
     ElementCondition,
     Profile,
+    are_judged_in_runs,
     carried,
     element_conditions,
     expressions_in,
@@ -307,7 +308,8 @@ def derive(model: "Model", scene: Scene) -> Equations:
             if varies:
                 own = element_conditions(element, bodies)
                 conditions += carried(own, parameters, model.defaults)
-            profiles += profiles_of(element, scene, parts.drivers.values(), defaults, varies)
+            found = profiles_of(element, scene, parts.drivers.values(), defaults)
+            profiles += found if are_judged_in_runs(found, defaults, varies) else ()
     once = tuple(dict.fromkeys(conditions))
     equations = replace(equations, conditions=once, profiles=tuple(profiles))
     return equations.with_effects(effects)

@@ -10,12 +10,7 @@ import sympy
 
 from codegen.declare.body import Bodies
 from codegen.declare.element import Constraint, Effect, Element, label
-from codegen.declare.element_fields import (
-    Condition,
-    derivatives,
-    hold_conditions,
-    sampled_profile,
-)
+from codegen.declare.element_fields import Condition, derivatives, hold_conditions, sampled_profile
 from codegen.declare.returned_values import (
     closed_curves,
     conditions_of,
@@ -42,11 +37,15 @@ class ElementCondition:
 
 
 class Profile(NamedTuple):
-    """A closed curve that is judged before or after a run."""
+    """A closed curve, x and y in alpha and parameters, and what is asked of it."""
 
     row: ProfileRow
-    # x, y and their first and second derivatives by α, which t stands for
-    derivatives: tuple[sympy.Expr, ...]
+    shape: sympy.Matrix
+
+    @property
+    def derivatives(self) -> tuple[sympy.Expr, ...]:
+        """x, y and their first and second derivatives by α, which t stands for."""
+        return tuple(e.subs(alpha, t) for e in derivatives(self.shape))
 
 
 def expressions_in(part: object) -> Iterator[sympy.Basic]:
@@ -93,37 +92,27 @@ def _ranges(lookups: list[Interpolant]) -> Iterator[Condition]:
             yield Condition(text, (at,), low, False, high)
 
 
-def touching(element: Element, scene: Scene, parameters: Numbers) -> int:
-    """Whether two profiles touch from outside, 1, or inside, -1; 0: none do in such an element.
-
-    From outside, unless the scene gives both parameters of another contact.
-    """
-    if not isinstance(element, CamFollower):
-        return 0
-    given, own = dict((*scene.guess, *scene.start)), own_coordinates(element)
-    if not all(dotted(q) in given for q in own):
-        return 1
-    coordinates = (*own, *(q for body in element.bodies for q in body.coordinates))
-    places = {q: given.get(dotted(q), q.measure.neutral) for q in coordinates}
-    return -1 if element.touches_inside({**parameters, **places}) else 1
-
-
-def profile_rows(
+def profiles_of(
     element: Element, scene: Scene, drivers: Iterable[Element], numbers: Numbers
-) -> list[ProfileRow]:
+) -> list[Profile]:
     """The closed curves of a joint.
 
     All of a profile has to suit its roller where a driver turns one of the two round, else the part
     that a run uses.
     """
-    touches = touching(element, scene, numbers)
-    acting = (d for d in drivers if isinstance(d, Driver) and {*d.bodies} & {*element.bodies})
-    laws = [driver.law.subs(numbers) for driver in acting]
-    turned = touches and any(np.ptp(_known(law)) >= ALPHAS[-1] for law in laws)
-    of_contact = (touches, "" if turned else element.name) if touches else ()
-    curves = closed_curves(element)
-    return [ProfileRow(where, convex, *(() if k else of_contact))
-            for k, (where, _, convex) in enumerate(curves)]  # fmt: skip
+    of_contact: tuple[int, str] | tuple[()] = ()
+    if isinstance(element, CamFollower):
+        acting = (d for d in drivers if isinstance(d, Driver) and {*d.bodies} & {*element.bodies})
+        turned = any(np.ptp(_known(driver.law.subs(numbers))) >= ALPHAS[-1] for driver in acting)
+        given, own = dict((*scene.guess, *scene.start)), own_coordinates(element)
+        coordinates = (*own, *(q for body in element.bodies for q in body.coordinates))
+        places = {q: given.get(dotted(q), q.measure.neutral) for q in coordinates}
+        inside = element.touches_inside({**numbers, **places})
+        of_contact = -1 if inside else 1, "" if turned else element.name
+    return [
+        Profile(ProfileRow(where, convex, *(() if k else of_contact)), curve.at(alpha))
+        for k, (where, curve, convex) in enumerate(closed_curves(element))
+    ]
 
 
 def _known(law: sympy.Expr) -> npt.NDArray[np.float64]:
@@ -133,23 +122,14 @@ def _known(law: sympy.Expr) -> npt.NDArray[np.float64]:
     return np.where(np.isfinite(values), values, 0.0)
 
 
-def profiles_of(
-    element: Element, scene: Scene, drivers: Iterable[Element], numbers: Numbers, varies: bool
-) -> Iterator[Profile]:
-    """The closed curves of a joint that are judged in runs.
-
-    Their shapes depend on parameters that vary, or the part decides that a run uses; both where
-    they touch.
-    """
-    rows = profile_rows(element, scene, drivers, numbers)
-    shapes = [curve.at(alpha) for _, curve, _ in closed_curves(element)]
-    depend = [varies and any(kinds(e, Parameter) for e in shape) for shape in shapes]
-    if rows and rows[0].contact and not any(depend):
-        cam, other = (sampled_profile(shape.subs(numbers)) for shape in shapes)
-        depend = [roller_cut(cam, other, rows[0].touches < 0) is not None] * 2
-    for k, (row, shape) in enumerate(zip(rows, shapes, strict=True)):
-        if depend[k] or (rows[0].touches and any(depend)):
-            yield Profile(row, tuple(e.subs(alpha, t) for e in derivatives(shape)))
+def are_judged_in_runs(profiles: list[Profile], numbers: Numbers, varies: bool) -> bool:
+    """Whether parameters that vary decide on the profiles of a joint, or the part that is used."""
+    if varies and any(kinds(e, Parameter) for profile in profiles for e in profile.shape):
+        return True
+    if not (profiles and profiles[0].row.contact):
+        return False
+    cam, other = (sampled_profile(one.shape.subs(numbers).as_immutable()) for one in profiles)
+    return roller_cut(cam, other, profiles[0].row.touches < 0) is not None
 
 
 def carried(

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from codegen.parameter_conditions import ALPHAS, ProfileSamples, profile_samples, roller_cut
+from codegen.parameter_conditions import ALPHAS, roller_cut, sample_profile
 from runtime.core.arrays import matrix, none, vector
 from runtime.core.jit import ADDRESSES, compiled
 from runtime.core.kernel_abi import profiles_of
@@ -37,9 +37,13 @@ def profiles_change(mechanism: Mechanism, p: FloatArray) -> bool:
     return not np.array_equal(one, other)
 
 
-def sampled_profiles(mechanism: Mechanism, p: FloatArray) -> list[ProfileSamples]:
+def sampled_profiles(mechanism: Mechanism, p: FloatArray) -> list[FloatArray]:
     """The profiles of a scene."""
-    return profile_samples(lambda alphas: _points(mechanism, p, alphas))
+
+    def column(k: int) -> FloatArray:
+        return sample_profile(lambda alphas: _points(mechanism, p, alphas)[:, 6 * k : 6 * k + 6])
+
+    return [column(k) for k in range(len(mechanism.description.profiles))]
 
 
 def describe_cuts(mechanism: Mechanism, p: FloatArray, samples: Samples) -> str:

@@ -322,4 +322,4 @@ def test_a_roller_may_swing_beside_a_notch_that_it_does_not_fit(
         assert_allclose(sound(run).q("rod.y"), 0.065, atol=1e-9)
     else:
         assert run.outcome is Outcome.CONTRADICTED
-        assert "'lift' on body 'cam': at α = 4.7" in run.message
+        assert "'lift' on body 'cam': the roller of the radius 0.015 m, where" in run.message
