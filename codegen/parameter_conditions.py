@@ -148,9 +148,10 @@ def shape_problems(rows: Array, convex: bool) -> Iterator[str]:
             "give functions of period 2π, and pieces that meet."
         )
     elif corner > _JUMP:
+        turn = np.degrees(max(corner, abs(_turns(tangent)[edge])))
         yield (
             f"the profile has a corner or a cusp: at α = {alphas[edge]:.4g} rad its tangent turns "
-            f"by {np.degrees(corner):.3g}°; enlarge the base circle of a profile that is undercut, "
+            f"by {turn:.3g}°; enlarge the base circle of a profile that is undercut, "
             "else give functions of period 2π, and pieces that meet with one tangent."
         )
     elif convex:

@@ -46,13 +46,13 @@ from codegen.readers.values import (
     plain_float,
     shown,
 )
+from codegen.tables.closed_pieces import ClosedPieces, PiecesAtom
 from codegen.tables.table_function import Interpolant, TableAtom
-from codegen.tables.time_pieces import PiecesAtom, TimePieces
 
 INTERNAL = (Given, Side, Speed, Multiplier, Acceleration)
 """Symbols of the equations of elements, which mean nothing in a declaration."""
 FUNCTIONS = (
-    *(Interpolant, TimePieces),
+    *(Interpolant, ClosedPieces),
     *(sympy.Piecewise, sympy.Abs, sympy.Heaviside, sympy.Max, sympy.Min, sympy.sign),
     *(sympy.sin, sympy.cos, sympy.tan, sympy.asin, sympy.acos, sympy.atan, sympy.atan2),
     *(sympy.sinh, sympy.cosh, sympy.tanh, sympy.exp, sympy.log),

@@ -25,8 +25,8 @@ from codegen.derive.effect_terms import EffectTerms
 from codegen.derive.piecewise_conditions import Boundary, boundary, conditions, switching_function
 from codegen.readers.calls import errors_at
 from codegen.tables.branches import knots_function
+from codegen.tables.closed_pieces import ClosedPieces
 from codegen.tables.table_function import Interpolant, TableAtom
-from codegen.tables.time_pieces import TimePieces
 
 Named = tuple[str, EffectTerms]
 TURN = 2.0 * math.pi  # formula: after which a profile repeats, rad
@@ -146,12 +146,11 @@ def profile_knots(joints: Iterable[tuple[str, Statement]]) -> Iterator[Switch]:
     """Where pieces of a profile meet at numbers: the steps of a run end, and nothing switches."""
     for name, statement in joints:
         found = dict[sympy.Expr, set[float]]()
-        for pieces in sympy.Tuple(*statement.phi).atoms(TimePieces):
-            atom, *values = pieces.args
-            if not atom.repeats:
+        for pieces in sympy.Tuple(*statement.phi).atoms(ClosedPieces):
+            if alpha not in pieces.places:
                 continue
-            at = statement.bindings[dict(zip(atom.symbols, values, strict=True))[alpha]]
-            for g in (c.lhs - c.rhs for c in atom.expression.atoms(Relational)):
+            at = statement.bindings[pieces.places[alpha]]
+            for g in (c.lhs - c.rhs for c in pieces.args[0].expression.atoms(Relational)):
                 slope, rest = g.diff(alpha), g.subs(alpha, 0)
                 if slope.is_number and rest.is_number and slope != 0:
                     found.setdefault(at, {0.0}).add(float(-rest / slope) % TURN)

@@ -34,8 +34,8 @@ from codegen.derive.piecewise_conditions import (
 )
 from codegen.derive.switching_functions import Switch, find_switch, rate
 from codegen.readers.expressions import distinct_nodes, powers_with_number_outside
+from codegen.tables.closed_pieces import ClosedPieces
 from codegen.tables.table_function import Interpolant
-from codegen.tables.time_pieces import TimePieces
 
 
 class ElementExpression(NamedTuple):
@@ -117,7 +117,7 @@ def time_functions(equations: Equations) -> tuple[TimeFunction, ...]:
             for part in _parts(expression):
                 along = tuple((s, f) for s, f, places in moving if part in places)
                 role: Role = "place" if along else "effect"
-                role = "law" if part.has(TimePieces) else role
+                role = "law" if part.has(ClosedPieces) else role
                 found[TimeFunction(effect.name, role, part, along)] = None
     return tuple(found)
 

@@ -30,8 +30,8 @@ from codegen.lower.graph import Graph
 from codegen.lower.program import ELEMENTARY, Input, Op, dependencies
 from codegen.readers.calls import unreadable
 from codegen.readers.expressions import constant_value, powers_with_number_outside
+from codegen.tables.closed_pieces import ClosedPieces
 from codegen.tables.table_function import Interpolant
-from codegen.tables.time_pieces import TimePieces
 
 FUNCTIONS = {getattr(sympy, name): Op(name) for name in ELEMENTARY if name not in ("sqrt", "pow")}
 
@@ -106,7 +106,7 @@ class Translator:
             return self._piecewise(node)
         if isinstance(node, Interpolant):
             return graph.lookup(node.table, node.order, self(node.at))
-        if isinstance(node, TimePieces):  # the steps of a run end where they meet
+        if isinstance(node, ClosedPieces):  # the steps of a run end where they meet
             return Translator(graph, self.environment, None)(as_pieces(node.expression))
         if node.func in (*KINKED, *STEPS) and node.func not in FUNCTIONS:
             return self(as_pieces(node))

@@ -37,9 +37,9 @@ from codegen.elements.joints.wheels import Belt, Gear
 from codegen.model.base import Declarations, Pair, Place, declares
 from codegen.object_display import counted
 from codegen.readers.values import shown
+from codegen.tables.closed_pieces import close
 from codegen.tables.piecewise_cubic import fit
 from codegen.tables.table_function import FEWEST, TableFunction
-from codegen.tables.time_pieces import PiecesAtom, TimePieces
 
 # accuracy: first and last point of a path that agree to this part of its size are one
 ROUNDING = 1e-9
@@ -359,6 +359,5 @@ class Constraints(Declarations):
         if len(self.problems) > before:
             return curve.body.circle(1)  # stands in, so that nothing else is said of it
         if pieces:
-            atoms = (PiecesAtom(c, repeats=c.has(alpha)) for c in (x, y))
-            x, y = (TimePieces(atom, *atom.symbols) for atom in atoms)
+            x, y = close(x), close(y)
         return Curve(curve.body, x, y, pace(shape))

@@ -24,7 +24,7 @@ from runtime.mechanism.table_rows import unknown
 from runtime.results.assembled_state import Assembly, State
 from runtime.results.motion_at_instants import finite_numbers
 from runtime.results.result import Result
-from runtime.validation.profiles import profiles_change, sampled_profiles
+from runtime.validation.profiles import sampled_profiles
 
 STEPS = "steps"
 POINTS = 501  # layout: output instants, where nothing else is said
@@ -302,8 +302,7 @@ def _broken(mechanism: Mechanism, p: npt.NDArray[np.float64]) -> list[str]:
     numbers = np.zeros(sum(row.shown for row in description.conditions))
     kernels.conditions(p, numbers)
     problems = [*violated_conditions(description.conditions, numbers)]
-    if description.profiles and profiles_change(mechanism, p):
-        problems += profile_problems(description.profiles, sampled_profiles(mechanism, p))
+    problems += profile_problems(description.profiles, sampled_profiles(mechanism, p))
     return [f"{description.title}: {problem}" for problem in problems]
 
 

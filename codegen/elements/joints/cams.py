@@ -13,7 +13,7 @@ from codegen.declare.symbols import Coordinate, alpha, coordinate, given, own_co
 from codegen.drawing import shapes
 from codegen.elements.joints.guides import bind_axis
 from codegen.elements.registry import element
-from codegen.parameter_conditions import ALPHAS
+from codegen.parameter_conditions import ALPHAS, SAMPLES
 
 AXIS = sympy.Matrix([given("j_ux"), given("j_uy")])
 NORMAL = sympy.Matrix([-AXIS[1], AXIS[0]])
@@ -143,9 +143,8 @@ class CamFollower(Constraint):
     def touches_inside(self, numbers: Mapping[sympy.Symbol, float]) -> bool:
         """Whether the outward normals point the same way where α and β are: a roller in a ring."""
         normals = [
-            outward(in_ground(curve, numbers))[int(np.argmin(np.abs(np.array(ALPHAS) - at)))]
+            outward(in_ground(curve, numbers))[round(numbers[q] / ALPHAS[1]) % SAMPLES]
             for curve, q in ((self.cam, self.alpha), (self.follower, self.beta))
-            for at in [numbers[q] % ALPHAS[-1]]
         ]
         return bool(normals[0] @ normals[1] > 0.0)
 

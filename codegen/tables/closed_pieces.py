@@ -17,55 +17,61 @@ _PIECES = (
 
 
 class PiecesAtom(sympy.Atom):  # type: ignore[misc]
-    """A function by pieces, and its symbols; one of the angle `alpha` may repeat at each turn."""
+    """A function by pieces, and its symbols; one of the angle `alpha` repeats at each turn."""
 
-    __slots__ = ("expression", "repeats", "symbols")
+    __slots__ = ("expression", "symbols")
 
-    def __new__(cls, expression: sympy.Expr, repeats: bool = False) -> "PiecesAtom":
+    def __new__(cls, expression: sympy.Expr) -> "PiecesAtom":
         """Wrap an expression of time and parameters, or of `alpha` and parameters."""
         atom: PiecesAtom = super().__new__(cls)
-        atom.expression, atom.repeats = expression, repeats
+        atom.expression = expression
         atom.symbols = tuple(sorted(expression.free_symbols, key=str))
         return atom
 
-    def _hashable_content(self) -> tuple[sympy.Expr, bool]:
-        return self.expression, self.repeats
+    def _hashable_content(self) -> tuple[sympy.Expr]:
+        return (self.expression,)
 
     def _sympystr(self, printer: Any) -> str:
         return str(printer._print(self.expression))
 
-    def at(self, values: dict[sympy.Symbol, sympy.Expr]) -> sympy.Expr:
-        """The function at the `values` of its symbols, closed to SymPy."""
-        return TimePieces(self, *(values[symbol] for symbol in self.symbols))
 
-
-class TimePieces(sympy.Function):  # type: ignore[misc]
+class ClosedPieces(sympy.Function):  # type: ignore[misc]
     """A function by pieces at its symbols: arguments are the atom, and they."""
 
     is_real = True
 
     @property
+    def places(self) -> dict[sympy.Symbol, sympy.Expr]:
+        """What the symbols stand for."""
+        atom, *values = self.args
+        return dict(zip(atom.symbols, values, strict=True))
+
+    @property
     def expression(self) -> sympy.Expr:
         """The function as it was written."""
-        atom, *values = self.args
-        of = dict(zip(atom.symbols, values, strict=True))
-        if atom.repeats:
+        of = self.places
+        if alpha in of:
             of[alpha] -= 2 * sympy.pi * sympy.floor(of[alpha] / (2 * sympy.pi))
-        return atom.expression.xreplace(of)
+        return self.args[0].expression.xreplace(of)
 
     def _eval_derivative(self, symbol: sympy.Symbol) -> sympy.Expr:
-        atom, *values = self.args
-        of, terms = dict(zip(atom.symbols, values, strict=True)), []
-        for own, value in of.items():
+        terms = []
+        for own, value in self.places.items():
             if (inner := derivative(value, symbol)) != 0:
-                slope = derivative(_spelled_out(atom.expression), own)
-                closes = atom.repeats or slope.has(*_PIECES)
-                part = PiecesAtom(slope, atom.repeats).at(of) if closes else slope.xreplace(of)
-                terms.append(inner * part)
+                slope = derivative(_spelled_out(self.args[0].expression), own)
+                if slope.has(alpha, *_PIECES):
+                    slope = close(slope)
+                terms.append(inner * slope.xreplace(self.places))
         return sympy.Add(*terms)
 
     def _sympystr(self, printer: Any) -> str:
         return str(printer._print(self.expression))
+
+
+def close(expression: sympy.Expr) -> ClosedPieces:
+    """A function by pieces, of parameters and the time or `alpha`, closed to SymPy."""
+    atom = PiecesAtom(expression)
+    return ClosedPieces(atom, *atom.symbols)
 
 
 def closed(expression: sympy.Expr) -> sympy.Expr:
@@ -73,14 +79,13 @@ def closed(expression: sympy.Expr) -> sympy.Expr:
     if not (expression.has(Time) and expression.has(*_PIECES)):
         return expression
     if all(isinstance(symbol, Time | Parameter) for symbol in expression.free_symbols):
-        atom = PiecesAtom(expression)
-        return TimePieces(atom, *atom.symbols)
+        return close(expression)
     return expression.func(*map(closed, expression.args))
 
 
 def opened(expression: sympy.Basic) -> Any:
     """The expression with such functions as they were written."""
-    return expression.replace(lambda e: isinstance(e, TimePieces), lambda e: e.expression)
+    return expression.replace(lambda e: isinstance(e, ClosedPieces), lambda e: e.expression)
 
 
 def _spelled_out(expression: sympy.Expr) -> sympy.Expr:
