@@ -140,7 +140,7 @@ def shape_problems(rows: Array, convex: bool) -> Iterator[str]:
         return
     size, (_, tangent, bend) = _vectors(rows)
     narrow = np.diff(alphas) < 2.0 ** (1 - _HALVINGS) * ALPHAS[1]
-    jumps = np.where(narrow, _jumps(rows), 0.0)
+    jumps = np.where(narrow | (tangent[1:] == 0.0), _jumps(rows), 0.0)
     corner, gap = jumps[:, edge := int(np.argmax(jumps.max(axis=0)))]
     if gap > max(corner, _JUMP):
         yield (

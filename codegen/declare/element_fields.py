@@ -222,7 +222,8 @@ def outward(points: Samples) -> Samples:
     x, y = points.T
     turn = np.sign(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]))
     normal = turn * np.stack([tangent[:, 1], -tangent[:, 0]], axis=1)
-    normals: Samples = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    with np.errstate(invalid="ignore"):  # of a point, which other checks refuse
+        normals: Samples = normal / np.linalg.norm(normal, axis=1, keepdims=True)
     return normals
 
 

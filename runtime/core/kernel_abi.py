@@ -245,6 +245,7 @@ accelerations_tangent_of = _fetcher("accelerations_tangent")
 correction_tangent_of = _fetcher("correction_tangent")
 dead_centres_of = _fetcher("dead_centres")
 conditions_of = _fetcher("conditions")
+profiles_of = _fetcher("profiles")
 samples_of = _fetcher("samples")
 watched_of = _fetcher("watched")
 

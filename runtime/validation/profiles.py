@@ -1,13 +1,25 @@
 """Profiles of cams with the parameters of a run: their shapes, and what a run uses of them."""
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from codegen.parameter_conditions import ALPHAS, roller_cut, sample_profile
+from runtime.core.arrays import matrix, none, vector
+from runtime.core.jit import ADDRESSES, compiled
+from runtime.core.kernel_abi import profiles_of
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.mechanism import Mechanism
 from runtime.results.samples import Samples
+
+
+@compiled(none(ADDRESSES, vector, vector, matrix))
+def write_profiles(kernels: Any, alphas: Any, p: Any, out: Any) -> None:
+    """Write x, y and their derivatives of all profiles at α, (k,), into `out`, (k, 6 c)."""
+    evaluate = profiles_of(kernels)
+    for i in range(alphas.size):
+        evaluate(alphas[i], p, out[i])
 
 
 def sampled_profiles(mechanism: Mechanism, p: FloatArray) -> list[FloatArray]:
@@ -16,8 +28,7 @@ def sampled_profiles(mechanism: Mechanism, p: FloatArray) -> list[FloatArray]:
 
     def points(which: int, alphas: FloatArray) -> FloatArray:
         out = np.zeros((len(alphas), 6 * count))
-        for at, row in zip(alphas.tolist(), out, strict=True):
-            mechanism.kernels.profiles(at, p, row)
+        write_profiles(mechanism.kernel_table, alphas, p, out)
         return out.reshape(-1, count, 6)[:, which]
 
     return [sample_profile(partial(points, which)) for which in range(count)]

@@ -21,6 +21,7 @@ BROKEN = {
         ({"r2": 0.31}, [r"gear 'mesh': .* 0\.5 m apart, but the radii \(r1, r2\) m mesh at 0\.51"]),
         ({"eccentricity": 0.09}, [r"curve of 'lift' on body 'cam': the profile is not convex"]),
         ({"eccentricity": -0.2, "r2": 0.1}, ["curve of 'lift'", "gear 'mesh'"]),
+        ({"width": 0.0}, [r"'roll' on body 'roller': the profile has a corner or a cusp"]),
         ({"width": 0.12}, [r"'roll' on body 'cam': .* radius 0\.12 m, .* hollows is 0\.1176 m"]),
         ({"depth": 0.02}, [r"'roll' on body 'cam': .* 0\.02 m, .* hollows is 0\.003103 m"]),
     ],
