@@ -25,7 +25,7 @@ from codegen.derive.equations import Equations, derive
 from codegen.emit.module import Unroll, module_text, operation_table
 from codegen.errors import LinkwrightError, ModelError
 from codegen.files.build_records import write_record
-from codegen.files.generated_modules import text_hash, unroll_of
+from codegen.files.generated_modules import read_generated, unroll_of
 from codegen.garbage_collection import collection_paused
 from codegen.generated_files.companions import COMPANIONS
 from codegen.generated_files.generated_file import (
@@ -137,32 +137,32 @@ def _build(
     written = [
         _emit(file, folder, settings, requested, unroll, *translated) for translated in prepared
     ]
-    every = [pair for files in written for pair in files]
-    for report, text in every:
-        report.bring_up_to_date(text, check)
+    every = [report for files in written for report in files]
+    for report in every:
+        report.bring_up_to_date(check)
         if not check:
             write_record(report.path, record(file, declared, report.digest))
     if compiled and not check:
         progress(f"{declared.name}: compile")
-        times = compile_modules([report.path for report, _ in every])
-        for (report, _), seconds in zip(every, times, strict=True):
+        times = compile_modules([report.path for report in every])
+        for report, seconds in zip(every, times, strict=True):
             report.seconds["compile"] = seconds
-    stale = tuple(report.path for report, _ in every if check and report.changed)
-    return BuildReport(tuple(r for r, _ in every if isinstance(r, SceneReport)), stale)
+    stale = tuple(report.path for report in every if check and report.changed)
+    return BuildReport(tuple(one for one in every if isinstance(one, SceneReport)), stale)
 
 
 def _emit(
     file: ModelFile, folder: Path, settings: Mapping[str, float], requested: Mapping[str, bool],
     unroll: Unroll | None, equations: Equations, lowered: Lowered, findings: Findings, clock: Clock,
-) -> list[tuple[FileReport, str]]:  # fmt: skip
-    """The file of a scene and its text, then those companions that are requested or exist."""
+) -> list[FileReport]:  # fmt: skip
+    """The file of a scene, then those companions that are requested or exist."""
     path = generated_path(folder, file.stem, equations, settings)
-    how: Any = unroll or unroll_of(path)  # a damaged file is replaced where a choice is given
+    how: Any = unroll or (unroll_of(read_generated(path)) if path.is_file() else "auto")
     with clock("emit"):
         provenance = origin(GENERATOR, file, equations, path, settings, unroll=how)
         text = module_text(lowered, provenance)
     scene = SceneReport(
-        path=path, digest=text_hash(text), operations=dict(operation_table(lowered.program)),
+        path=path, text=text, operations=dict(operation_table(lowered.program)),
         seconds=clock.seconds, model=equations.model, scene=equations.scene.name,
         bodies=equations.bodies, coordinates=findings.coordinates,
         constraints=findings.constraints, degrees_of_freedom=findings.degrees_of_freedom,
@@ -171,13 +171,13 @@ def _emit(
         effects=tuple(e.name for e in equations.effects),
         left_out=tuple(name for name, _ in equations.left_out),
     )  # fmt: skip
-    files: list[tuple[FileReport, str]] = [(scene, text)]
+    files: list[FileReport] = [scene]
     for kind in COMPANIONS:
         if kind.is_due(equations, path, requested[kind.name]):
             provenance = origin(GENERATOR, file, equations, path, settings, f" --{kind.name}", how)
-            companion, text = kind.file(lowered, provenance, scene, clock)
+            companion = kind.file(lowered, provenance, scene, clock)
             setattr(scene, kind.name, companion)
-            files.append((companion, text))
+            files.append(companion)
     return files
 
 

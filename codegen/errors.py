@@ -63,7 +63,7 @@ class GeneratedFileError(InputError):
 
 
 class SupersededError(GeneratedFileError):
-    """A generated file was replaced by another process between its check and its import."""
+    """A generated file is another one than when a machine was loaded, or a sweep began."""
 
 
 class AssemblyError(InputError):

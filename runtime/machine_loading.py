@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from weakref import WeakSet
 
-from codegen.errors import SupersededError, note
-from codegen.files.build_records import fresh_digest, unchanged
+from codegen.errors import note
+from codegen.files.build_records import fresh_text, unchanged
 from codegen.files.generated_modules import scene_path, shortened
 from codegen.files.library_folders import LIBRARY as _LIBRARY
 from codegen.files.library_folders import find_model_file, models_folder
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 LOADED: "WeakSet[Mechanism]" = WeakSet()
 """The mechanisms that `load` has made, as long as anybody holds them."""
-_ATTEMPTS = 5
 
 
 @readers.reads(
@@ -56,26 +55,20 @@ def load(
         default `generated/` in `folder`, and for a model of the library the library's own.
     """
     here = (Path(folder) if folder is not None else Path.cwd()).resolve()
-    for attempt in range(_ATTEMPTS):
-        source: Path | Model
-        if isinstance(model, str | os.PathLike):
-            source, modules = _locate(os.fspath(model), here)
-            modules = modules if generated is None else here / generated
-            path, digest = _fresh_module(source, modules, scene)
-        else:
-            source = model
-            path, digest = _build(model, scene, here / (generated or "generated"))
-        try:
-            with compilation_shown():
-                from runtime.machine_facade import Machine
-                from runtime.mechanism.mechanism import read_mechanism
+    source: Path | Model
+    if isinstance(model, str | os.PathLike):
+        source, modules = _locate(os.fspath(model), here)
+        modules = modules if generated is None else here / generated
+        path, text = _fresh_module(source, modules, scene)
+    else:
+        source = model
+        path, text = _build(model, scene, here / (generated or "generated"))
+    with compilation_shown():
+        from runtime.machine_facade import Machine
+        from runtime.mechanism.mechanism import read_mechanism
 
-                declared = None if isinstance(scene, str) else scene
-                mechanism = read_mechanism(path, digest, source, declared)
-            break
-        except SupersededError:
-            if attempt == _ATTEMPTS - 1:
-                raise
+        declared = None if isinstance(scene, str) else scene
+        mechanism = read_mechanism(path, text, source, declared)
     LOADED.add(mechanism)
     return Machine(mechanism)
 
@@ -90,12 +83,12 @@ def _locate(model: str, folder: Path) -> tuple[Path, Path]:
 
 
 def _fresh_module(model: Path, generated: Path, scene: "str | Scene | None") -> tuple[Path, str]:
-    """A generated module that agrees with the model file, and its hash; built if there is none."""
+    """A generated module that agrees with the model file, and its text; built if there is none."""
     name = scene if scene is not None else _first_scene(model, generated)
     if isinstance(name, str):
         path = scene_path(generated, model.stem, name)
-        if digest := fresh_digest(path, model, name):
-            return path, digest
+        if text := fresh_text(path, model, name):
+            return path, text
     built = _build(model, name, generated)
     record = unchanged(*built, model)
     if record is not None and record.unwatched:
@@ -118,7 +111,7 @@ def _build(model: "Path | Model", scene: "str | Scene | None", generated: Path) 
             scene = next(iter(model.scenes), None)
         report = build(model, scene=scene, out=generated, compile=False, unroll=None)
     first = report.scenes[0]
-    return first.path, first.digest
+    return first.path, first.text
 
 
 def _first_scene(model: Path, generated: Path) -> str | None:

@@ -128,7 +128,7 @@ def _mechanism_of(path: Path, saved: dict[str, Any], machine: "Machine | None") 
         )
     for one in found:
         origin = one.origin
-        if origin is None or content in (None, content_hash(origin.path, origin.digest)):
+        if origin is None or content in (None, content_hash(origin.text)):
             return one
     raise InputError(
         f"{path}: the model of {title}, or the generator, has changed since the result was saved, "

@@ -72,16 +72,17 @@ def value_of(kind: str, name: str) -> str | None:
     return hashlib.sha256(content).hexdigest()
 
 
-def of_this_generator(path: Path, digest: str) -> bool:
-    """Whether a record says that this generator made a generated file's text, of that SHA-256."""
-    return any(row[:2] == (digest, generator_state()) for row in records(path))
+def of_this_generator(path: Path, text: str) -> bool:
+    """Whether a record says that this generator made a generated file's text."""
+    return any(row[:2] == (text_hash(text), generator_state()) for row in records(path))
 
 
-def unchanged(path: Path, digest: str | None, model: Path) -> Record | None:
+def unchanged(path: Path, text: str | None, model: Path) -> Record | None:
     """The record of a file that was generated from `model`, if all is as it was; else None.
 
-    Its text has the SHA-256 `digest`, unless that is None.
+    Any text will do where that is None.
     """
+    digest = text and text_hash(text)
     for record in records(path):
         if (
             digest in (None, record.text)
@@ -93,8 +94,8 @@ def unchanged(path: Path, digest: str | None, model: Path) -> Record | None:
     return None
 
 
-def fresh_digest(path: Path, model: Path, scene: str) -> str | None:
-    """SHA-256 of a scene's file; None where that, or its model, must be read anew.
+def fresh_text(path: Path, model: Path, scene: str) -> str | None:
+    """The text of a scene's file; None where that, or its model, must be read anew.
 
     Raises GeneratedFileError if it was edited by hand.
     """
@@ -102,8 +103,8 @@ def fresh_digest(path: Path, model: Path, scene: str) -> str | None:
         return None
     text = read_generated(path)
     check_signature(path, text, f"linkwright build {model} --scene {scene} --out {path.parent}")
-    record = unchanged(path, text_hash(text), model)
-    return record.text if record and not record.unwatched else None
+    record = unchanged(path, text, model)
+    return text if record and not record.unwatched else None
 
 
 def write_record(path: Path, record: Record) -> None:

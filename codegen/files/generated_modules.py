@@ -15,7 +15,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
-from codegen.errors import GeneratedFileError, SupersededError
+from codegen.errors import GeneratedFileError
 from codegen.machine_code.file_lock import locked
 
 MARK = "# content-sha256: "
@@ -92,9 +92,9 @@ def read_generated(path: Path) -> str:
         ) from error
 
 
-def unroll_of(path: Path) -> str:
-    """How kernels were written when a generated file was built; "auto" where there is none."""
-    match = _UNROLL.search(read_generated(path)[:_HEADER]) if path.is_file() else None
+def unroll_of(text: str) -> str:
+    """How kernels were written when a generated text was built."""
+    match = _UNROLL.search(text[:_HEADER])
     return match[1] if match else "auto"
 
 
@@ -103,43 +103,28 @@ def text_hash(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def content_hash(path: Path, digest: str) -> str:
-    """SHA-256 of what an imported file computes, whatever folder it was built from.
+def content_hash(text: str) -> str:
+    """SHA-256 of what a generated text computes, whatever folder it was built from.
 
-    That is its text without the comments of its header and without SOURCES, which name paths.
+    That is the text without the comments of its header and without SOURCES, which name paths.
     """
-    text = loaded_text(path, digest) or read_generated(path)
     head = FIRST_KERNEL.split(text, maxsplit=1)[0]
     return text_hash(_NAMES_PATHS.sub("", head) + text[len(head) :])
 
 
-def import_generated(path: Path, digest: str | None = None, text: str | None = None) -> ModuleType:
+def import_generated(path: Path, text: str | None = None) -> ModuleType:
     """Import a generated file, or its `text`, compiling kernels whose machine code is not kept.
 
     The module's name follows from the file's content: a rebuilt module is never mistaken for the
-    one that it replaces. Raises GeneratedFileError if the file cannot be read or does not compile,
-    SupersededError if its text does not have the SHA-256 `digest`.
+    one that it replaces. Raises GeneratedFileError if the file cannot be read or does not compile.
     """
     with alone(path):
         text = read_generated(path) if text is None else text
-        actual = text_hash(text)
-        if digest not in (None, actual):
-            raise SupersededError(f"{path} was replaced while it was being loaded; load it again.")
-        name = _name(path, actual)
+        name = f"linkwright_generated_{path.stem}_{text_hash(text)}"
         loaded: Any = sys.modules.get(name)
         if loaded is not None and loaded.__loader__.path == str(path):
             return loaded  # type: ignore[no-any-return]
         return _execute(name, path, text)
-
-
-def loaded_text(path: Path, digest: str) -> str | None:
-    """The text of a generated file that this process has imported; None if it has not."""
-    module: Any = sys.modules.get(_name(path, digest))
-    return None if module is None else module.__loader__.text
-
-
-def _name(path: Path, digest: str) -> str:
-    return f"linkwright_generated_{path.stem}_{digest}"
 
 
 def _execute(name: str, path: Path, text: str) -> ModuleType:
@@ -196,8 +181,8 @@ class _Text(NamedTuple):
 
     def pickled(self, kernel: str) -> tuple[Any, ...]:
         """How another process finds a kernel of the text."""
-        return _kernel, (Path(self.path), text_hash(self.text), kernel)
+        return _kernel, (Path(self.path), self.text, kernel)
 
 
-def _kernel(path: Path, digest: str, name: str) -> Any:
-    return getattr(import_generated(path, digest), name)
+def _kernel(path: Path, text: str, name: str) -> Any:
+    return getattr(import_generated(path, text), name)

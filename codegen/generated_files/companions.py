@@ -10,7 +10,7 @@ from pathlib import Path
 from codegen.derive.equations import Equations
 from codegen.emit.module import Origin, operation_table, picture_text, reduced_text, tangents_text
 from codegen.errors import SceneError
-from codegen.files.generated_modules import companion_path, text_hash
+from codegen.files.generated_modules import companion_path
 from codegen.generated_files.generated_file import Clock, CompanionReport, FileReport
 from codegen.lower.differentiation.program_tangents import tangent_program
 from codegen.lower.kernels.picture_kernels import lower_picture
@@ -40,16 +40,15 @@ class Companion:
 
     def file(
         self, lowered: Lowered, provenance: Origin, main: FileReport, clock: Clock
-    ) -> tuple[CompanionReport, str]:
-        """The companion of a scene's own file, `main`, and its text."""
+    ) -> CompanionReport:
+        """The companion of a scene's own file, `main`."""
         own = Clock({}, clock.progress, clock.title)
         with own(self.stage):
             program, text = self.emit(lowered, provenance, main.digest)
-        made = CompanionReport(
-            path=companion_path(main.path, self.name), digest=text_hash(text), title=self.title,
+        return CompanionReport(
+            path=companion_path(main.path, self.name), text=text, title=self.title,
             operations=dict(operation_table(program)), seconds=own.seconds,
         )  # fmt: skip
-        return made, text
 
     def refuse(self, model: str, scenes: Sequence[Equations], named: bool) -> None:
         """Refuse a request for scenes that can have none.

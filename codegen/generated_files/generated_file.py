@@ -3,14 +3,14 @@
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
 
 from codegen.emit.runge_kutta import module_text
 from codegen.errors import GeneratedFileError
-from codegen.files.generated_modules import alone, import_generated
+from codegen.files.generated_modules import alone, import_generated, text_hash
 from codegen.files.library_folders import methods_folder
 from codegen.files.whole_files import whole_file
 from codegen.readers.calls import readable_class
@@ -44,8 +44,8 @@ class FileReport:
 
     Attributes
     ----------
-    path, changed, digest
-        The file, whether it is new, or in a check differs, and the SHA-256 of its text.
+    path, text, digest, changed
+        The file, its text, the SHA-256 of that, and whether it is new, or in a check differs.
     operations
         Kernel → arithmetic operations.
     seconds
@@ -53,15 +53,19 @@ class FileReport:
     """
 
     path: Path
+    text: str = field(repr=False)
+    digest: str = field(init=False)
     changed: bool = False
-    digest: str
     operations: dict[str, int]
     seconds: dict[str, float]
 
-    def bring_up_to_date(self, text: str, check: bool) -> None:
+    def __post_init__(self) -> None:
+        self.digest = text_hash(self.text)
+
+    def bring_up_to_date(self, check: bool) -> None:
         """Write the file unless it is current or this is a check; note whether it was stale."""
-        stale = not is_current(self.path, text)
-        self.changed = stale if check else write_if_changed(self.path, text)
+        stale = not is_current(self.path, self.text)
+        self.changed = stale if check else write_if_changed(self.path, self.text)
 
 
 @dataclass(kw_only=True)

@@ -192,16 +192,19 @@ def compiled_function(
 _DOCUMENTED = ("error_model", "fastmath", "nogil")
 
 
-def own_folders(beside: Path, sources: list[bytes]) -> list[Path]:
-    """The folders for functions that are made from these sources, for `compiled_function`."""
-    name = f"lw-{name_of_state(sources)}"
+def own_folders(beside: Path, sources: list[bytes], first: str = "lw-") -> list[Path]:
+    """The folders for functions that are made from these sources, for `compiled_function`.
+
+    Their names begin with `first`.
+    """
+    name = f"{first}{name_of_state(sources)}"
     folders = code_folders(beside, name)
     for folder in folders:
         if (folder / name).exists():
             with suppress(OSError):
                 os.utime(folder / name)  # it is used
         else:
-            remove_older(folder, "lw-*")
+            remove_older(folder, first + "[0-9a-f]" * (len(name) - len(first)))
     return [folder / name for folder in folders]
 
 

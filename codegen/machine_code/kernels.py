@@ -30,6 +30,7 @@ from codegen.machine_code.code_folders import (
     processor,
     remove_older,
 )
+from codegen.machine_code.compiled_functions import own_folders
 from codegen.machine_code.expression_translation import UntranslatableError
 from codegen.machine_code.kernel_translation import KernelModule
 from codegen.machine_code.undocumented_names import PLAIN, global_compiler_lock
@@ -170,15 +171,12 @@ def execute(path: Path, text: str, names: dict[str, Any], run: Callable[[], obje
         with suppress(UntranslatableError, RecursionError):
             _compile(path, text, names)
             return
-    folder = next(iter(code_folders(path.parent)), None)
-    if folder is None:
+    folders = own_folders(path.parent, [text.encode()], f"{path.stem}.")
+    if not folders:
         note_unkept()
-    names["numba"] = NumbaOfTexts(partial(_compile_by_numba, keeps=folder is not None))
-    within = folder and folder / f"{path.stem}.{name_of_state([text.encode()])}"
-    if folder and within and not within.exists():
-        remove_older(folder, f"{path.stem}.{'[0-9a-f]' * len(within.suffix[1:])}")
+    names["numba"] = NumbaOfTexts(partial(_compile_by_numba, keeps=bool(folders)))
     first = global_compiler_lock or nullcontext()  # which a thread has that decorates for numba
-    with first, numba_keeps_in(within), SignalDeferral(in_commands=False):
+    with first, numba_keeps_in(folders[-1] if folders else None), SignalDeferral(in_commands=False):
         run()
 
 

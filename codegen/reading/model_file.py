@@ -172,11 +172,9 @@ def _fresh_imports(folder: Path) -> Iterator[None]:
     not kept, as its date is in seconds, nor are modules: another folder may hold another file of
     the same name, and this one may be edited before the next build.
     """
-    nested = any(isinstance(finder, _Siblings) for finder in sys.meta_path)
-    held = {} if nested else _modules_of_user()
+    held, writes = _modules_of_user(), sys.dont_write_bytecode
     for name in held:
         del sys.modules[name]
-    before, writes = set(sys.modules), sys.dont_write_bytecode
     search, here, siblings = sys.path[:], Path.cwd(), _Siblings(folder)
     sys.meta_path.insert(0, siblings)
     sys.path.append(str(folder))
@@ -189,10 +187,8 @@ def _fresh_imports(folder: Path) -> Iterator[None]:
         sys.meta_path[:] = [finder for finder in sys.meta_path if finder is not siblings]
         os.chdir(here)
         sys.dont_write_bytecode = writes
-        for name in set(sys.modules) - before:
-            origin = getattr(sys.modules[name], "__file__", None)
-            if origin and is_local(origin):
-                del sys.modules[name]
+        for name in _modules_of_user():
+            del sys.modules[name]
         sys.modules.update(held)
 
 

@@ -94,7 +94,7 @@ def build(
                 error.locate(str(one))
             problems += error.problems
             continue
-        scenes += map(asdict, report.scenes)
+        scenes += (asdict(one, dict_factory=_without_text) for one in report.scenes)
         stale += report.stale
         if not as_json:
             _print_build(report, check)
@@ -105,6 +105,10 @@ def build(
         print_json({"scenes": scenes, "stale": stale})
     if stale:
         raise typer.Exit(1)
+
+
+def _without_text(fields: list[tuple[str, Any]]) -> dict[str, Any]:
+    return {name: value for name, value in fields if name != "text"}
 
 
 def _print_build(report: "BuildReport", check: bool) -> None:

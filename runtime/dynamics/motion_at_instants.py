@@ -203,7 +203,7 @@ def source_of(mechanism: Mechanism) -> dict[str, str] | None:
         return None
     file = str(origin.model) if isinstance(origin.model, Path) else ""
     return {"model": file, "scene": mechanism.description.scene,
-            "content": content_hash(origin.path, origin.digest)}  # fmt: skip
+            "content": content_hash(origin.text)}  # fmt: skip
 
 
 def start_again(

@@ -19,14 +19,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from codegen.errors import AnalysisError, GeneratedFileError, SupersededError
-from codegen.files.build_records import fresh_digest, records, unchanged
+from codegen.errors import AnalysisError, SupersededError
+from codegen.files.build_records import fresh_text, records, unchanged
 from codegen.files.generated_modules import (
     companion_path,
     import_generated,
-    loaded_text,
     scene_path,
-    text_hash,
     unroll_of,
 )
 from runtime.core.kernel_abi import Kernels, gather
@@ -68,19 +66,10 @@ class Mechanism:
 
     def __getattr__(self, name: str) -> Any:
         """The kernels of a machine that was pickled, loaded when they are first needed."""
-        if name != "kernels" or "origin" not in vars(self):
+        if name != "kernels" or self.origin is None:
             raise AttributeError(name)
-        origin = self.need_origin("its kernels")
-        text = origin.texts.get("") or loaded_text(origin.path, origin.digest)
-        try:
-            found = gather(import_generated(origin.path, origin.digest, text))
-        except GeneratedFileError as error:
-            raise GeneratedFileError(
-                f"{self.title} was pickled, and its module {origin.path} is gone, damaged or built "
-                "anew since. Load the machine again where it is pickled, and have the folder of "
-                "generated modules at the same path here."
-            ) from error
-        return vars(self).setdefault("kernels", found)
+        module = import_generated(self.origin.path, self.origin.text)
+        return vars(self).setdefault("kernels", gather(module))
 
     @property
     def title(self) -> str:
@@ -199,12 +188,11 @@ class Mechanism:
         origin = self.need_origin(f"its {CONTENTS[kind]}")
         text = origin.current_companion(kind)
         if text is not None:
-            place = companion_path(origin.path, kind)
-            return import_generated(place, text_hash(text), text)
+            return import_generated(companion_path(origin.path, kind), text)
         _, scene = self.declared(f"its {CONTENTS[kind]}")
         (report,) = self.rebuilt(f"its {CONTENTS[kind]}", scene, **{kind: True})
         companion = getattr(report, kind)
-        return import_generated(companion.path, companion.digest)
+        return import_generated(companion.path, companion.text)
 
     def rebuilt(self, what: str, *scenes: "str | Scene", **kinds: Any) -> "tuple[SceneReport, ...]":
         """New builds of scenes of its model; SupersededError if its own has another text now."""
@@ -231,12 +219,12 @@ class Mechanism:
 
 
 def read_mechanism(
-    path: Path, digest: str, model: "Path | Model", scene: "str | Scene | None" = None
+    path: Path, text: str, model: "Path | Model", scene: "str | Scene | None" = None
 ) -> Mechanism:
-    """The mechanism of a generated file, whose text has this SHA-256."""
-    module = import_generated(path, digest)
+    """The mechanism of a generated file, which has this text."""
+    module = import_generated(path, text)
     description = describe(module)
-    origin = Origin(model, scene or description.scene, path, digest)
+    origin = Origin(model, scene or description.scene, path, text)
     return Mechanism(description, gather(module), path, origin)
 
 
@@ -294,11 +282,11 @@ def _built(mechanism: Mechanism, scene: str, joints: Set[str]) -> Mechanism:
     origin = mechanism.need_origin(what)
     own = origin.path.stem.partition("__")[0]
     file = origin.model if isinstance(origin.model, Path) else None
-    known = unchanged(origin.path, origin.digest, file) if file else None
+    known = unchanged(origin.path, origin.text, file) if file else None
     if file and known and isinstance(origin.scene, str):
         place = scene_path(origin.path.parent, own, scene)
-        if digest := fresh_digest(place, file, scene):
-            return read_mechanism(place, digest, file, scene)
+        if text := fresh_text(place, file, scene):
+            return read_mechanism(place, text, file, scene)
     model, declared = mechanism.declared(what)
     wanted: str | Scene = scene
     if not isinstance(declared, str):
@@ -307,10 +295,10 @@ def _built(mechanism: Mechanism, scene: str, joints: Set[str]) -> Mechanism:
         wanted = declared.owner.reconnected(declared, tuple(after))
     is_sure = file is None or (known is not None and not known.unwatched)
     reports = mechanism.rebuilt(
-        what, *([] if is_sure else [declared]), wanted, unroll=unroll_of(origin.path)
+        what, *([] if is_sure else [declared]), wanted, unroll=unroll_of(origin.text)
     )
     report = next(one for one in reports if is_sure or one.path != origin.path)
-    return read_mechanism(report.path, report.digest, model, wanted)
+    return read_mechanism(report.path, report.text, model, wanted)
 
 
 @lru_cache(maxsize=_ARRIVALS)

@@ -11,7 +11,6 @@ from codegen.files.build_records import of_this_generator
 from codegen.files.generated_modules import (
     check_signature,
     companion_path,
-    loaded_text,
     read_generated,
     text_hash,
 )
@@ -35,8 +34,13 @@ class Origin(NamedTuple):
     model: "Path | Model | bytes"
     scene: "str | Scene"
     path: Path  # the scene's generated file
-    digest: str  # SHA-256 of its text
-    texts: Mapping[str, str] = {}  # of a pickled machine without files, "": its own; companions
+    text: str  # which it had
+    companions: Mapping[str, str] = {}  # their texts, of a machine that was pickled
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the text."""
+        return text_hash(self.text)
 
     def current_companion(self, kind: Kind) -> str | None:
         """The text of a companion's file, where it belongs to the scene's; else None.
@@ -44,24 +48,21 @@ class Origin(NamedTuple):
         Raises GeneratedFileError if the file was edited by hand.
         """
         place = companion_path(self.path, kind)
-        if kind in self.texts or not place.is_file():
-            return self.texts.get(kind)
+        if kind in self.companions or not place.is_file():
+            return self.companions.get(kind)
         text = read_generated(place)
         belongs = _BELONGS.search(text)
         if belongs is None or belongs.group(1) != self.digest:
             return None
         check_signature(place, text, self.command(kind))
-        return text if of_this_generator(place, text_hash(text)) else None
+        return text if of_this_generator(place, text) else None
 
     def portable(self) -> "Origin":
-        """As another process takes it, with texts where no file is sure to have them there."""
+        """As another process takes it, with the texts of its companions."""
         if isinstance(self.model, bytes):
             return self
-        text, kept, found = loaded_text(self.path, self.digest), self.path.is_file(), self
-        kept = kept and text_hash(read_generated(self.path)) == self.digest
-        if text is not None and not (kept and isinstance(self.model, Path)):
-            others = {kind: self.current_companion(kind) for kind in CONTENTS}
-            found = found._replace(texts={"": text} | {k: x for k, x in others.items() if x})
+        others = {kind: self.current_companion(kind) for kind in CONTENTS}
+        found = self._replace(companions={kind: text for kind, text in others.items() if text})
         if not isinstance(self.model, Path) or not isinstance(self.scene, str):
             library = "cloudpickle" if util.find_spec("cloudpickle") else "pickle"
             try:

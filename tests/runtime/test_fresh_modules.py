@@ -13,7 +13,6 @@ from codegen import build
 from codegen.errors import SupersededError
 from codegen.files import build_records
 from codegen.files.build_records import unchanged
-from codegen.files.generated_modules import text_hash
 from runtime import load
 from runtime.machine_facade import Machine
 from runtime.machine_loading import _fresh_module
@@ -73,10 +72,10 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def _digest(place: Path, scene: str | None = "swing") -> str:
-    path, digest = _fresh_module(place / "pendulum.py", place / "generated", scene)
-    assert digest == text_hash(path.read_text())
-    return digest
+def _text(place: Path, scene: str | None = "swing") -> str:
+    path, text = _fresh_module(place / "pendulum.py", place / "generated", scene)
+    assert text == path.read_text()
+    return text
 
 
 @pytest.mark.parametrize(
@@ -116,7 +115,7 @@ def test_all_that_a_model_asks_for_counts(place: Path, ahead: str, is_watched: b
     __import__("numbers_of_it")  # as a program does, which later edits the file
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always", UserWarning)
-        first = _digest(place)
+        first = _text(place)
     record = unchanged(place / "generated" / "pendulum__swing.py", first, place / "pendulum.py")
     assert record is not None
     assert bool(record.unwatched) is not is_watched
@@ -124,10 +123,10 @@ def test_all_that_a_model_asks_for_counts(place: Path, ahead: str, is_watched: b
     assert sys.modules["numbers_of_it"].L == 1.0
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)
-        assert _digest(place) == first
+        assert _text(place) == first
         _data(0.5)
         constant = "0.0 *" in ahead
-        assert (_digest(place) == first) is constant
+        assert (_text(place) == first) is constant
 
 
 def test_without_a_change_nothing_is_built_and_other_sources_build_again(
@@ -137,7 +136,7 @@ def test_without_a_change_nothing_is_built_and_other_sources_build_again(
         f"import sqlite3\nsqlite3.connect(':memory:').close()\nopen({str(place)!r} + '/log', 'w')"
     )
     (place / "pendulum.py").write_text(f"{ahead}.close()\nL = 1.0\n{PENDULUM}")
-    first, built = _digest(place, None), []
+    first, built = _text(place, None), []
     (place / "log").write_text("another program")
     module = place / "generated" / "pendulum__swing.py"
     date = module.stat().st_mtime_ns
@@ -148,10 +147,10 @@ def test_without_a_change_nothing_is_built_and_other_sources_build_again(
 
     monkeypatch.setattr("codegen.build", noted, raising=False)
     monkeypatch.chdir("/")  # the file asks for nothing relative to it
-    assert (_digest(place), _digest(place, None), built) == (first, first, [])
+    assert (_text(place), _text(place, None), built) == (first, first, [])
     monkeypatch.setattr(build_records, "generator_state", lambda: "another generator")
     monkeypatch.setattr("codegen.generated_files.provenance.generator_state", lambda: "another")
-    _digest(place)
+    _text(place)
     assert len(built) == 1
     assert module.stat().st_mtime_ns == date  # the record alone was written
 
@@ -162,11 +161,11 @@ def test_a_build_keeps_its_choice_of_loops(place: Path, declared: str) -> None:
     model, module = place / "pendulum.py", place / "generated" / "pendulum__swing.py"
     model.write_text("L = 1.0\n" + declared.format(text))
     build(model, unroll="never", compile=False)
-    texts = {module.read_text() for scene in ("swing", None) if _digest(place, scene)}
+    texts = {module.read_text() for scene in ("swing", None) if _text(place, scene)}
     assert len(texts) == 1
     assert "--unroll never" in texts.pop()
     model.write_text(model.read_text() + "# edited\n")
-    _digest(place, None)
+    _text(place, None)
     assert "--unroll never" in module.read_text()
 
 
@@ -176,8 +175,8 @@ def test_a_run_does_not_go_on_in_a_scene_of_another_model(place: Path, changed: 
     text = PENDULUM.replace("model.scene(", released)
     ahead = "with open('data.txt') as file: L = float(file.read())\n"
     (place / "pendulum.py").write_text(ahead + text)
-    path, digest = _fresh_module(place / "pendulum.py", place / "generated", "swing")
-    machine = Machine(read_mechanism(path, digest, place / "pendulum.py", "swing"))
+    path, generated = _fresh_module(place / "pendulum.py", place / "generated", "swing")
+    machine = Machine(read_mechanism(path, generated, place / "pendulum.py", "swing"))
     if changed == "model":
         (place / "pendulum.py").write_text((place / "pendulum.py").read_text() + "# edited\n")
     else:

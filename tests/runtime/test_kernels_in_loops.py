@@ -47,7 +47,7 @@ def test_kernels_in_loops_only_read_parameters(
     assert report.tangents
     assert report.reduced
     main, *others = (
-        import_generated(x.path, x.digest) for x in (report, report.tangents, report.reduced)
+        import_generated(x.path, x.text) for x in (report, report.tangents, report.reduced)
     )
     counts = [len(main.PARAMETERS) + len(main.CONSTANTS)] * 2
     counts.append(len(main.PARAMETERS) + len(others[1].BRANCHES) + len(others[1].CONSTANTS))
