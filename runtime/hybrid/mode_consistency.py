@@ -6,12 +6,13 @@ from runtime.constraints.newton_return import FAILED
 from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
-from runtime.core.arrays import Context, Integers, Vector
+from runtime.core.arrays import Context, Integers, Vector, view
 from runtime.core.jit import inlined, inner
 from runtime.core.kinds import BALANCED, CLOSED, SLIDING, Mode
 from runtime.core.state_derivative import evaluate_accelerations
 from runtime.hybrid.rest_forces import is_resting, rests
 from runtime.hybrid.sliding_motion import UNBOUNDED, extrapolate
+from runtime.linalg.vectors import largest_ratio
 
 CONSISTENT = -1
 _DECIDED = len(Mode)  # code: added to a mode in row PREFERRED
@@ -123,6 +124,36 @@ def look_ahead_joined(
 
 
 @inner
+def write_gap_rates(context: Context, t: float, d: float, state: int, row: int) -> None:
+    """Write the rates of functions after a time `d`, as `look_ahead` goes, into row `row`."""
+    look_ahead(context, t, d, state)
+    q, v = ws.positions(context, ws.SAMPLE), ws.velocities(context, ws.SAMPLE)
+    a, rates = context.second_scratch, ws.switch_row(context, row)
+    abi.switching_rates_of(context)(t + d, q, v, a, context.parameters, rates)
+
+
+@inner
+def side_by_rates(context: Context, k: int, t: float, d: float, state: int) -> int:
+    """The side, -1 or 1, to which the rate of contact `k` goes in proportion to time; else 0.
+
+    A short way is lost in the rounding of a gap. The rates of gaps that joints or other contacts
+    keep closed change with the square of time, by which an extrapolated state goes off these.
+    """
+    for part in range(3):
+        write_gap_rates(context, t, 0.5 * part * d, state, ws.SCAN + part)
+    now = ws.switch_row(context, ws.SCAN)[k]
+    half, end = ws.switch_row(context, ws.SCAN + 1)[k], ws.switch_row(context, ws.SCAN + 2)[k]
+    speeds = view(ws.row_of(context, ws.SIZE), context[ft.COORDINATES], context[ft.COORDINATES])
+    rounding = RESTS * largest_ratio(ws.velocities(context, state), speeds)
+    rounding += MISSED * d * largest_ratio(context.second_scratch, speeds)
+    largest = context.reserve[k] if context.modes[k] == SLIDING else context.largest[k]
+    linear = abs(end - 2.0 * half + now) < 0.25 * abs(end - now)
+    if not linear or not abs(end - now) > largest * rounding:
+        return 0
+    return 1 if now + end > 0.0 else -1
+
+
+@inner
 def find_contradiction(
     context: Context, t: float, d: float, state: int, candidate: Integers, count: int
 ) -> int:
@@ -142,34 +173,36 @@ def find_contradiction(
     for i in range(count):
         signs[i] = 0
         open_members += 1 if is_followed(context, candidate, i) else 0
-    joined = context[ft.CONSTRAINT_COUNT] > 0
+    joined, rates = context[ft.CONSTRAINT_COUNT] > 0, context.rate_now
     if joined:
-        a, rates = context.second_scratch, context.response_rates
+        a = context.second_scratch
         abi.switching_rates_of(context)(t, q, v, a, context.parameters, rates)
     distance = d * _FIRST
     while open_members > 0 and distance <= 1.5 * d:
         look_ahead(context, t, distance, state)
-        returned = not joined
+        returned = False
         for i in range(count):
             k = members[i]
             if signs[i] != 0 or not is_followed(context, candidate, i):
                 continue
             change = moved_by(context, k)
-            if change != 0.0 and not returned:
-                along = distance * context.response_rates[k]
-                if abs(change - along) > 0.5 * abs(change):
-                    # The rate is not what moves it. Joints may keep it where it is.
+            along = distance * rates[k]
+            if joined and change != 0.0 and abs(change - along) > 0.5 * abs(change):
+                # The rate is not what moves it. Joints may keep it where it is.
+                if not returned:
                     look_ahead_joined(context, t, distance, state, candidate)
                     returned = True
                     change = moved_by(context, k)
-                    least = max(context.band[k], RESTS * context.largest[k])
-                    change = change if abs(change) > least else 0.0
+                least = max(context.band[k], RESTS * context.largest[k])
+                change = change if abs(change) > least else 0.0
             if change != 0.0:
                 signs[i] = 1 if change > 0.0 else -1
                 open_members -= 1
         distance *= 10.0
     for i in range(count):
         k = int(members[i])
+        if signs[i] == 0 and context.rigid[k] >= 0 and is_followed(context, candidate, i):
+            signs[i] = side_by_rates(context, k, t, d, state)
         if candidate[k] == SLIDING:
             if signs[i] != 0:
                 return k
