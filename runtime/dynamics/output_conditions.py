@@ -20,6 +20,7 @@ from runtime.results.result import Result
 
 _A_STEP = 4  # measured: instants of a step that are looked at
 _LEAST, _MOST = 1000, 20_000  # safety: such instants of a run
+_ONE_INSTANT = 4e-15  # accuracy: of the time; how far behind what is located a series has jumped
 _SIGNS = {"<": -1.0, ">": 1.0}
 
 Conditions = Mapping[str, tuple[str, str, float]]
@@ -166,4 +167,6 @@ def _located(result: Result, condition: OutputCondition, t: FloatArray, row: int
         return high
     from scipy.optimize import brentq  # a run without such conditions loads none of it
 
-    return float(brentq(excess, low, high, xtol=4e-16 * max(1.0, abs(high)), rtol=1e-15))
+    at = float(brentq(excess, low, high, xtol=4e-16 * max(1.0, abs(high)), rtol=1e-15))
+    behind = min(high, at + _ONE_INSTANT * max(1.0, abs(at)))
+    return behind if excess(behind) - excess(at) > 0.5 * excess(high) else at

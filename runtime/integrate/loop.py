@@ -16,7 +16,7 @@ from runtime.core.outcomes import Outcome, Site
 from runtime.core.workspace_rows import Y0, Y1
 from runtime.hybrid.events import INSTANT, UNRESOLVED
 from runtime.integrate.clocks import CLOCK
-from runtime.integrate.sampled_values import replace_last
+from runtime.integrate.sampled_values import ENDS, replace_last
 from runtime.integrate.sampling import STEP_ENDS, has_room
 from runtime.integrate.step import Signal, TrialStep, reject
 from runtime.integrate.step_acceptance import accept_step, end_at_event, judge_events
@@ -195,6 +195,14 @@ def follow_plan(context: Integers) -> int:
 
 
 @inner
+def renew_when_due(context: Context) -> int:
+    """Renew the sampled values that are due at the end of the step."""
+    if is_sample_due(context):
+        return int(ft.renew_of(context)(context))
+    return Signal.PROCEED
+
+
+@inner
 def watch_events(context: Context) -> int:
     """After events: what begins with a condition that is watched."""
     r = run_record(context)
@@ -202,15 +210,11 @@ def watch_events(context: Context) -> int:
         return Signal.PROCEED
     if r.length == 0.0 and r.every_step != STEP_ENDS:
         replace_last(context)  # by what was renewed at this instant
-    return int(ft.watch_of(context)(context))
-
-
-@inner
-def renew_when_due(context: Context) -> int:
-    """Renew the sampled values that are due at the end of the step."""
-    if is_sample_due(context):
-        return int(ft.renew_of(context)(context))
-    return Signal.PROCEED
+    signal = int(ft.watch_of(context)(context))
+    if signal == Signal.STOP and context.ends_run[r.stopped_by] == ENDS:
+        renewed = renew_when_due(context)  # in the last row of this run, as in a longer one
+        signal = signal if renewed == Signal.PROCEED else renewed
+    return signal
 
 
 @unlocked(i8(ADDRESSES, i8))

@@ -24,7 +24,7 @@ from runtime.integrate.step import Signal
 from runtime.linalg.vectors import copy_vector
 
 _MOST_ROUNDS = 8  # safety: rounds at one instant in which values renew one another
-_RECONNECTS = 2  # code: of `ends_run`: joints come or go
+ENDS, _RECONNECTS = 1, 2  # code: of `ends_run`: a run ends; joints come or go
 _ONE_INSTANT = 1e-8  # accuracy: of the largest |g|; a run does not tell such instants apart
 
 
@@ -163,7 +163,7 @@ def update_watched(context: Context) -> int:
         begins = before[i] == WAITS or (now[i] != 0.0 and before[i] == 0.0)
         if begins and context.ends_run[i] != 0 and r.stopped_by < 0:
             r.stopped_by = i
-        is_last = context.ends_run[i] == 1 and r.stopped_by == i
+        is_last = context.ends_run[i] == ENDS and r.stopped_by == i
         waits = begins and context.ends_run[i] != 0 and not is_last
         before[i] = WAITS if waits else now[i]
         changes = changes or (waits and context.ends_run[i] == _RECONNECTS)

@@ -225,3 +225,30 @@ def test_conditions_on_outputs_that_are_none(
         pendulum.simulate(1.0, until={"a": "rod.fx > 3"})  # type: ignore[dict-item]
     with pytest.raises(InputError, match=r"'rod\.fz'"):
         pendulum.simulate(1.0, until={"a": ("rod.fz", ">", 3.0)})
+
+
+@pytest.mark.parametrize("formulation", ["cartesian", "reduced"])
+@pytest.mark.parametrize("until", ["place", "count", "asked", "asked for a count"])
+def test_a_sample_where_a_run_ends_is_taken(workshop: Path, until: str, formulation: str) -> None:
+    model = Model(f"until_a_sample_by_{until.partition(' ')[0]}")
+    mark, cart = model.particle("mark", 1.0), model.particle("cart", 1.0)
+    count = model.sampled("count", 0.1, lambda count: count + 1)
+    at, most = model.parameter("at", 1.0), model.parameter("most", 10.5)
+    model.force("push", cart, fx=count)
+    conditions = {"place": {"there": mark.x > at}, "count": {"there": count > most}}
+    model.scene("run", ["push"], start=dict.fromkeys((mark.x, mark.y, mark.vy, cart.x, cart.y,
+                cart.vx, cart.vy), 0) | {mark.vx: 1}, until=conditions.get(until, {}))  # fmt: skip
+    machine = load(model, folder=workshop)
+    for k in range(1, 13):
+        for end in (0.1 * k, 0.1 * k + 0.05):
+            asked = {
+                "asked": ("mark.x", ">", 0.1 * k),
+                "asked for a count": ("count", ">", k + 0.5),
+            }
+            limit = {"until": {"there": asked[until]}} if until in asked else {}
+            settings = {"formulation": formulation, **limit}
+            values = {"place": {"at": 0.1 * k}, "count": {"most": k + 0.5}}.get(until, {})
+            r = machine.simulate(end, parameters=values, **settings)
+            assert r.t[-1] == pytest.approx(0.1 * k, rel=1e-14)
+            assert (r.ended_by, r.y("count")[-1], r.a("cart.x")[-1]) == ("there", k + 1, k + 1)
+            assert r.resume(2.0).y("count")[[0, -1]].tolist() == [k + 1, 21]
