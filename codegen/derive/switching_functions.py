@@ -24,7 +24,7 @@ from codegen.declare.symbols import (
 from codegen.derive.effect_terms import EffectTerms
 from codegen.derive.piecewise_conditions import Boundary, boundary, conditions, switching_function
 from codegen.readers.calls import errors_at
-from codegen.tables.branches import knots_function
+from codegen.tables.branches import knot_function, knots_function
 from codegen.tables.closed_pieces import ClosedPieces
 from codegen.tables.table_function import Interpolant, TableAtom
 
@@ -143,19 +143,23 @@ def switches(effects: Sequence[Named]) -> tuple[Switch, ...]:
 
 
 def profile_knots(joints: Iterable[tuple[str, Statement]]) -> Iterator[Switch]:
-    """Where pieces of a profile meet at numbers: the steps of a run end, and nothing switches."""
+    """Where pieces of a profile or a constraint meet: steps of a run end, and nothing switches."""
     for name, statement in joints:
         found = dict[sympy.Expr, set[float]]()
-        for pieces in sympy.Tuple(*statement.phi).atoms(ClosedPieces):
+        for pieces in sorted(sympy.Tuple(*statement.phi).atoms(ClosedPieces), key=str):
+            meetings = sorted(pieces.args[0].expression.atoms(Relational), key=str)
             if alpha not in pieces.places:
+                for g in (switching_function(c) for c in meetings if c.has(Coordinate)):
+                    if -g not in found:
+                        found[g] = set()
                 continue
             at = statement.bindings[pieces.places[alpha]]
-            for g in (c.lhs - c.rhs for c in pieces.args[0].expression.atoms(Relational)):
+            for g in (c.lhs - c.rhs for c in meetings):
                 slope, rest = g.diff(alpha), g.subs(alpha, 0)
                 if slope.is_number and rest.is_number and slope != 0:
                     found.setdefault(at, {0.0}).add(float(-rest / slope) % TURN)
         for at, knots in found.items():
-            table = knots_function(name, sorted(knots), TURN)
+            table = knots_function(name, sorted(knots), TURN) if knots else knot_function(name)
             g = Interpolant(TableAtom(table), sympy.S.Zero, at)
             yield Switch(name, table_text(g), g, rate(g))
 

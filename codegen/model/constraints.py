@@ -37,7 +37,7 @@ from codegen.elements.joints.wheels import Belt, Gear
 from codegen.model.base import Declarations, Pair, Place, declares
 from codegen.object_display import counted
 from codegen.readers.values import shown
-from codegen.tables.closed_pieces import close
+from codegen.tables.closed_pieces import close, closed_where_smooth
 from codegen.tables.piecewise_cubic import fit
 from codegen.tables.table_function import FEWEST, TableFunction
 
@@ -224,10 +224,13 @@ class Constraints(Declarations):
     def constraint(self, name: str, *phi: Any) -> Constraint:
         """Plain equations: each expression of coordinates, parameters and t is kept at zero.
 
-        They are smooth in the coordinates. A motion that comes to a root at 0 where the slope
-        jumps, to an end of asin or acos, to the cut of atan2, or to a pole ends there by name.
+        They are smooth in the coordinates. Pieces are, where their values and slopes agree on both
+        sides of a condition that is linear in a coordinate; steps end where they meet. A motion
+        that comes to a root at 0 where the slope jumps, to an end of asin or acos, to the cut of
+        atan2, or to a pole ends there by name.
         """
-        equations = tuple(self._value(e, "", f"constraint '{name}'") for e in phi)
+        read = (self._value(e, "", f"constraint '{name}'") for e in phi)
+        equations = tuple(closed_where_smooth(e) for e in read)
         return self._declare(ExpressionConstraint(name, equations, self._bodies_in(*equations)))
 
     @declares(drivers.Motion)

@@ -46,6 +46,13 @@ def knots_function(name: str, knots: list[float], period: float) -> Table:
     return Table(name, places, arches, True, smooth=3, kind="linear", role="knots")
 
 
+def knot_function(name: str) -> Table:
+    """The identity, whose sign tells on which side of its one knot at 0 an argument is."""
+    return Table(
+        name, (0.0, 1.0), ((0.0, 1.0, 0.0, 0.0),), False, "extrapolate", 3, "linear", "knots"
+    )
+
+
 def range_function(table: Table) -> Table:
     """A parabola that is positive between the ends of a table, with slope one there."""
     row = (0.0, 1.0, -1.0 / table.length, 0.0)

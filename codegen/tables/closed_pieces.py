@@ -1,4 +1,4 @@
-"""Functions by pieces, closed to SymPy: of the time in places and gaps, of the angle in profiles.
+"""Functions by pieces, closed to SymPy: of time in gaps, of angles in profiles, of coordinates.
 
 SymPy writes the pieces of what stands in a condition out into conditions of its own, and gives a
 kink a derivative with Dirac's delta. A gap stands in the condition of its contact.
@@ -7,8 +7,9 @@ kink a derivative with Dirac's delta. A gap stands in the condition of its conta
 from typing import Any
 
 import sympy
+from sympy.core.relational import Relational
 
-from codegen.declare.symbols import Parameter, Time, alpha, derivative
+from codegen.declare.symbols import Coordinate, Parameter, Time, alpha, derivative, kinds
 
 _PIECES = (
     *(sympy.Piecewise, sympy.Abs, sympy.Max, sympy.Min, sympy.sign, sympy.Heaviside),
@@ -69,7 +70,7 @@ class ClosedPieces(sympy.Function):  # type: ignore[misc]
 
 
 def close(expression: sympy.Expr) -> ClosedPieces:
-    """A function by pieces, of parameters and the time or `alpha`, closed to SymPy."""
+    """A function by pieces, of parameters and the time, `alpha` or coordinates, closed to SymPy."""
     atom = PiecesAtom(expression)
     return ClosedPieces(atom, *atom.symbols)
 
@@ -81,6 +82,40 @@ def closed(expression: sympy.Expr) -> sympy.Expr:
     if all(isinstance(symbol, Time | Parameter) for symbol in expression.free_symbols):
         return close(expression)
     return expression.func(*map(closed, expression.args))
+
+
+def closed_where_smooth(phi: sympy.Expr) -> sympy.Expr:
+    """An equation in coordinates closed to SymPy where it has pieces and all its slopes agree.
+
+    Where a slope jumps, or is not known to agree, it is left as it is, for the checks to refuse.
+    """
+    if not (phi.has(Coordinate) and phi.has(*_PIECES)):
+        return phi
+    pieces = _spelled_out(phi)
+    surfaces = {c.lhs - c.rhs for c in pieces.atoms(Relational) if c.has(Coordinate)}
+    powers = (power.exp for power in phi.atoms(sympy.Pow))
+    if not surfaces or not all(e.is_integer or (e - 2).is_nonnegative for e in powers):
+        return phi
+    if not all(_is_smooth_across(sympy.nsimplify(pieces, rational=True), g) for g in surfaces):
+        return phi
+    return close(pieces)
+
+
+def _is_smooth_across(pieces: sympy.Expr, g: sympy.Expr) -> bool:
+    """Whether value and slopes are the same on both sides of g = 0, linear in a coordinate."""
+    g, sides = sympy.nsimplify(g, rational=True), []
+    for sign in (1, -1):
+        of = {own: sign * (1 if own.lhs - own.rhs == g else -1) for own in pieces.atoms(Relational)}
+        of = {own: own.func(s, 0) for own, s in of.items() if own.lhs - own.rhs in (g, -g)}
+        sides.append(pieces.xreplace(of))
+    change = sides[0] - sides[1]
+    for one in kinds(g, Coordinate):
+        slope = g.diff(one)
+        if slope.is_nonzero and not slope.has(one):
+            there = {one: one - g / slope}
+            parts = [change, *(change.diff(symbol) for symbol in kinds(change, Coordinate))]
+            return all(sympy.simplify(part.subs(there)) == 0 for part in parts)
+    return False
 
 
 def opened(expression: sympy.Basic) -> Any:
