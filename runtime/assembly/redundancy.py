@@ -273,9 +273,10 @@ def projection_only(
     """
     names = ", ".join(row.name for row in begin.redundant)
     if method in IMPLICIT:
+        follow, them = ("follow", "them") if len(begin.redundant) > 1 else ("follows", "it")
         raise AnalysisError(
             f"{mechanism.title}: method {method!r} needs independent constraints, and "
-            f"{names} follow from others. Take {alternatives(EXPLICIT)}, or remove them."
+            f"{names} {follow} from others. Take {alternatives(EXPLICIT)}, or remove {them}."
         )
     if correction not in {"step", "projection"}:
         raise AnalysisError(

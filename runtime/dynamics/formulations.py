@@ -220,9 +220,10 @@ def _refuse(ready: PreparedSimulation, correction: Correction) -> None:
             f"eliminate; take one of {', '.join(_CORRECTIONS)}"
         )
     if begin.redundant:
+        follow, them = ("follow", "them") if len(begin.redundant) > 1 else ("follows", "it")
         problems.append(
-            f"{', '.join(row.name for row in begin.redundant)} follow from other constraints, and "
-            "reduced coordinates need independent ones; remove them"
+            f"{', '.join(row.name for row in begin.redundant)} {follow} from other constraints, "
+            f"and reduced coordinates need independent ones; remove {them}"
         )
     stuck = [*description.stiction, *(k for k, *_ in description.friction_limits)]
     if stuck:

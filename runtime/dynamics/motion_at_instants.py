@@ -148,7 +148,8 @@ class SimulatedMotion:
         if not len(rows):
             return self.ready.begin.t, dict.fromkeys(result.works, 0.0)
         row = rows[result.t[rows].argmax()]
-        return float(result.t[row]), {name: float(w[row]) for name, w in result.works.items()}
+        t = max(float(result.t[row]), self.ready.begin.t)
+        return t, {name: float(w[row]) for name, w in result.works.items()}
 
     def _evaluated(self, run: Trajectory, times: FloatArray) -> Samples:
         """All that is computed from the states of a run at these instants."""

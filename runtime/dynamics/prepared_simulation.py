@@ -108,6 +108,13 @@ def _numbered(rows: Sequence[Row]) -> list[tuple[Row, int]]:
     return [(row, rows[:k].count(row)) for k, row in enumerate(rows)]
 
 
+def _fits_better(equations: Equations, state: State, later: float) -> bool:
+    """Whether the velocities of a state are rather those of a later instant, s, than of its own."""
+    n = equations.jacobian(state.t, state.q) @ state.v
+    own, there = (abs(n - equations.velocity_rhs(t, state.q)).max() for t in (state.t, later))
+    return bool(there < own)
+
+
 class PreparedSimulation:
     """The start of a simulation: state, parameters and typical sizes, the same for all its runs.
 
@@ -149,9 +156,9 @@ class PreparedSimulation:
         # one tolerance for the whole motion, wherever joints come and go
         sizes = equations.scale(equations.length(begin.t, begin.q) if length is None else length)
         self.passages = passages_of(equations, begin.t, self.t_end, sizes)
-        if self.passages is not None and not isinstance(start, Assembly | State):
+        if self.passages is not None and not isinstance(start, Assembly):
             behind = self.passages.first_instant(begin.q, begin.v)
-            if behind > begin.t:
+            if behind > begin.t and (state is None or _fits_better(equations, state, behind)):
                 # Start velocities that are given may fit the law before the kink alone.
                 with suppress(AssemblyError):
                     begin = assemble(equations, behind, guess, given)
@@ -160,7 +167,7 @@ class PreparedSimulation:
         self.discrete, lost = None, list[str]()
         if state is not None:
             self.discrete, lost = _discrete_at_start(mechanism, p, state, goes_on)
-        self.samples_taken = state is not None and state.sampled and begin.t == state.t
+        self.samples_taken = state is not None and state.sampled and self.given_t == state.t
         self.note = "" if goes_on else start_note(mechanism, begin, guess, given)
         if lost and not goes_on:
             self.note += (

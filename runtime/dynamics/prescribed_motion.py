@@ -66,7 +66,7 @@ def kinematics(
     equations = suited_equations(equations, begin)
     preferred = start_values(mechanism, guess, start).v
     asked = _asked(equations, analysis)
-    motion, kinks = _follow_past_kinks(asked, times, begin, preferred, progress)
+    motion, kinks, behind = _follow_past_kinks(asked, times, begin, preferred, progress, times)
     motion = end_motion_at_kink(
         equations, begin, motion, lambda times: follow(equations, times, begin, preferred, silent)
     )
@@ -100,6 +100,8 @@ def kinematics(
     result._motion = DrivenMotionAtInstants(mechanism, p, begin, preferred, times)
     name_left_tables(result, equations)
     check_result(result, equations, magnitudes(equations, begin.t, begin.q), Options(rtol=0.0))
+    first = int((samples.t == behind).sum())
+    result.samples = result.samples._replace(t=np.append(times[:first], result.t[first:]))
     return result
 
 
@@ -176,7 +178,7 @@ class DrivenMotionAtInstants(Motion):
         """At ascending instants, (k,), of the span, s: followed again from the start."""
         equations, start = self.equations, self.start
         asked = _asked(equations, result.analysis)
-        motion, _ = _follow_past_kinks(asked, times, start, self.preferred, silent)
+        motion, *_ = _follow_past_kinks(asked, times, start, self.preferred, silent, self.times)
         if len(motion.t) != len(times) or motion.outcome is not Outcome.OK:
             raise AnalysisError(
                 f"{self.mechanism.title}: the motion cannot be followed to t = {times[-1]:.9g} s. "
@@ -200,23 +202,26 @@ class DrivenMotionAtInstants(Motion):
 
 def _follow_past_kinks(
     equations: Equations, times: FloatArray, start: Assembly, preferred: FloatArray,
-    progress: Progress,
-) -> tuple[DrivenMotion, list[Event]]:  # fmt: skip
-    """The motion of `follow`, up to where a law has no value or jumps, and the events of laws."""
-    sizes = magnitudes(equations, start.t, start.q)
-    path = np.concatenate([[start.t], times])
-    passages = passages_of(equations, float(path.min()), float(path.max()), sizes)
+    progress: Progress, whole: FloatArray,
+) -> tuple[DrivenMotion, list[Event], float]:  # fmt: skip
+    """The motion of `follow`, up to where a law has no value or jumps, and the events of laws.
+
+    `whole` are all instants of its result, s. The last number is the first instant, s: behind a
+    kink at which the motion begins.
+    """
+    sizes, behind = magnitudes(equations, start.t, start.q), start.t
+    span = min(start.t, float(whole.min())), max(start.t, float(whole.max()))
+    passages = passages_of(equations, *span, sizes)
     if passages is None:
-        return follow(equations, times, start, preferred, progress), []
+        return follow(equations, times, start, preferred, progress), [], behind
+    path = np.concatenate([[start.t], times])
     ascending = bool((np.diff(path) >= 0.0).all())
-    behind = passages.first_instant(start.q, start.v) if ascending else start.t
-    if behind > start.t:
-        times = np.maximum(times, behind)
-        path = np.concatenate([[start.t], times])
-        passages = Passages(equations, behind, float(path.max()), sizes)
+    if ascending and (behind := passages.first_instant(start.q, start.v)) > start.t:
+        path = np.maximum(path, behind)
+        passages = Passages(equations, behind, span[1], sizes)
     passed, ends = _kink_events_and_ends(passages, start, ascending)
     reached, end = _instants_before_end(path, ends)
-    done = times[:reached]
+    done = path[1 : 1 + reached]
     instants = done
     if ascending and reached:
         sides = [t for kink, _ in passed for t in kink[:2] if start.t <= t <= done[-1]]
@@ -230,7 +235,7 @@ def _follow_past_kinks(
             state = motion.q[row], motion.v[row]
             title = equations.description.time_functions[passage.source].title
             found.append(Event(title, kink.after, int(passage.event or 0), *state))
-    return _of_instants(equations, motion, times, done, instants, end), found
+    return _of_instants(equations, motion, times, done, instants, end), found, behind
 
 
 def _kink_events_and_ends(

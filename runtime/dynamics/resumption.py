@@ -16,6 +16,7 @@ import numpy as np
 from codegen.errors import AnalysisError, InputError
 from codegen.readers.arguments import count, flag, number, optional, read_arguments
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.checks.screening import APART
 from runtime.dynamics.connected_simulation import follow, known_parameters
 from runtime.dynamics.formulations import formulate
 from runtime.dynamics.joined_runs import Change, JoinedMotion, joined
@@ -144,7 +145,11 @@ def _resume_part(
     end = run.final_t, run.samples_taken, run.discrete
     new = SimulatedMotion(coordinates, options, made, *end)
     done = new.works_from(kept, run, first) if works else None
-    path = replace(_behind(run, kept, first, times, works), checkpoints=made)
+    # An event at the very end of a run may come a little later in a longer one, as of a law.
+    told, ended = first, [event for event in result.events if event.time == first]
+    if ended:
+        told += APART * max(map(abs, (*motion.span, t_end)))
+    path = replace(_behind(run, kept, first, told, times, works), checkpoints=made)
     plain = replace(options, t_eval=times, quadrature=False)
     found = run_prepared(coordinates, plain, began, silent, path, works=False)
     if done is not None:
@@ -216,16 +221,20 @@ def _alike(
 
 
 def _behind(
-    run: Trajectory, kept: Checkpoint | None, first: float, times: FloatArray | None, works: bool
-) -> Trajectory:
-    """What a run did from an instant on, with its samples at `times`; None: the ends of steps."""
+    run: Trajectory, kept: Checkpoint | None, first: float, told: float,
+    times: FloatArray | None, works: bool,
+) -> Trajectory:  # fmt: skip
+    """What a run did from an instant on, with its samples at `times`; None: the ends of steps.
+
+    Events up to the instant `told`, s, are left out.
+    """
     rows = np.arange(len(run.t))
     if works:  # of a quadrature the ends of intervals; from a checkpoint there is no first one
         rows = rows[0 if kept is None else INTERVAL - 1 :: INTERVAL]
     ends = run.t[rows]
     rows = rows[ends >= first if times is None else np.isin(ends, times)]
     log, sets = run.events, run.partitions
-    later, since = log.t > first, max(int(np.searchsorted(sets.t, first, side="right")) - 1, 0)
+    later, since = log.t > told, max(int(np.searchsorted(sets.t, first, side="right")) - 1, 0)
     return replace(
         run, t=run.t[rows], q=run.q[rows], v=run.v[rows], modes=run.modes[rows], first_t=first,
         events=Events(*(column[later] for column in vars(log).values())),

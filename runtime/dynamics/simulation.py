@@ -162,6 +162,8 @@ def run_prepared(
         mobility = coordinates.mobility
         result.singular = describe_crossings(equations, begin.t, begin.q, mobility, run.crossings)
     result.message += note + driven_note(equations.mechanism, begin)
+    t = result.t  # the first row shows the state behind a kink at which the run begins
+    result.samples = result.samples._replace(t=np.where(t == begin.t, ready.given_t, t))
     return result
 
 

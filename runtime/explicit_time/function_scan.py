@@ -282,6 +282,12 @@ class FunctionScan:
         )
         return near if near > _STEP * wide else 0.0
 
+    def breaks_within(self, a: float, b: float) -> bool:
+        """Whether a law may break from a to b, s."""
+        f, (low, high, steps) = self._arrays, self._work[:3]
+        undecided = enclose(f.code, f.numbers, self.p, f.knots, f.pieces, a, b, low, high, steps)
+        return self.role == "law" and undecided != 0
+
     def _value(self, t: float) -> float:
         """f(t), where it has one value."""
         self._size(t)

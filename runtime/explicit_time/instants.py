@@ -47,13 +47,21 @@ def time_instants(
     """The instants between t0 and t1, s, with the parameters `p`, part by part."""
     scans = [FunctionScan(function, p, t0, t1) for function in description.time_functions]
     clock = float(_CLOCK * max(abs(t0), abs(t1)))
+    # Rounding may put a break at t0 or t1 beyond them, and not so in the kernels.
+    sides = (t0 - clock, t0, t0), (t1, t1 + clock, t1)
+    edges = [
+        (t, t, number)
+        for number, scan in enumerate(scans)
+        for a, b, t in sides
+        if t1 < np.inf and scan.breaks_within(a, b)
+    ]
     begin = behind = t0
     while begin < t1 < np.inf:
         for scan in scans:
             if scan.reach <= begin:
                 scan.scan_next_part(0.25 * clock)
         end = min((scan.reach for scan in scans), default=t1)
-        bounds, places = [], []
+        bounds, places = [], [edge for edge in edges if begin <= edge[0] <= end]
         for number, scan in enumerate(scans):
             ends, found = scan.pop_until(end)
             bounds.append(ends)
