@@ -47,7 +47,7 @@ class Request(Choices):
     def extended(self, by: "Request", explicit: frozenset[str]) -> "Request":
         """The request, overridden by that of an extension.
 
-        `explicit`: the ones of `frozen`, `analysis` and `outputs` that the extension states.
+        `explicit`: keywords that the extension states, and mappings that it states as empty.
         """
 
         def both(key: str) -> tuple[Any, ...]:
@@ -55,13 +55,12 @@ class Request(Choices):
 
         taken = {*by.effects, *by.drivers}
         gone = (n for n in self.without if n not in taken)
-        changes: dict[str, Any] = {name: getattr(by, name) for name in explicit}
-        changes["without"] = tuple(dict.fromkeys((*gone, *by.without)))
+        changes: dict[str, Any] = {"without": tuple(dict.fromkeys((*gone, *by.without)))}
         changes |= {k: tuple(dict.fromkeys(both(k))) for k in ("effects", "drivers")}
         for key in ("fidelity", "start", "guess", "parameters"):
             changes[key] = tuple(dict(both(key)).items())
         changes["until"] = tuple({one.name: one for one in both("until")}.values())
-        return replace(self, **changes)
+        return replace(self, **changes | {name: getattr(by, name) for name in explicit})
 
 
 def name_of(element: Any) -> str:

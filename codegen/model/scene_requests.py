@@ -298,7 +298,7 @@ class SceneRequests(MovingBodies, Connections):
     def _read_request(
         self, read: Reader, where: str, effects: Names, drivers: Names, **words: Any
     ) -> tuple[Request, frozenset[str]]:
-        """The request of a scene, and its explicit keywords among those with a default."""
+        """The request of a scene, and what of an inherited one its explicit keywords replace."""
         roles, quantities = self._roles(), (self.unit_of, self._quantities)
         explicit = {key: words[key] for key in DEFAULTS if words[key] is not None}
         chosen = DEFAULTS | explicit
@@ -315,7 +315,8 @@ class SceneRequests(MovingBodies, Connections):
             outputs=self._read_outputs(read, where, chosen["outputs"], chosen["analysis"]),
             until=self._read_until(read, where, words.get("until")),
         )
-        return request, frozenset(explicit)
+        emptied = {k for k in ("start", "guess", "parameters", "until") if words.get(k) == {}}
+        return request, frozenset(explicit) | emptied
 
     def _read_until(self, read: Reader, where: str, until: Any) -> tuple[WatchedCondition, ...]:
         """The conditions that end a run, each with a name that nothing else has."""

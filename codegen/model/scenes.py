@@ -62,7 +62,7 @@ class Scenes(SceneRequests):
         effects, drivers
             Elements that act, by name or by the object that their declaration returned.
         extends
-            Another scene, whose elements and values this one has too, unless stated here.
+            Another scene, whose elements and values it has too, unless stated, also as ``{}``.
         without
             Bodies that do not take part, with the joints and effects on them; or joints, effects
             and drivers alone.

@@ -365,8 +365,8 @@ def _message(
 def _require_finite(equations: Equations, t: float, q: FloatArray) -> None:
     """Refuse a start where forces have no value."""
     description, modes = equations.description, equations.rest_modes(t, q)
-    force = equations.forces(t, q, equations.still, modes)
-    finite = np.isfinite(force + equations.potential_gradient(t, q, modes))
+    forces = equations.forces(t, q, equations.still, modes)
+    finite = np.isfinite(forces) & np.isfinite(equations.potential_gradient(t, q, modes))
     if finite.all():
         return
     if left := left_tables(equations, t, q, equations.still):

@@ -53,6 +53,18 @@ def test_extension_has_all_but_what_it_says() -> None:
     assert again.analysis == "equilibrium"
 
 
+def test_an_empty_mapping_takes_over_none() -> None:
+    model = sledge()
+    x = model.bodies["body"].x
+    model.scene("base", ["spring"], start={x: 0.2}, guess={"load.phi": 1}, until={"far": x > 1})
+    none = {word: {} for word in ("start", "guess", "until")}
+    bare = model.scene("bare", extends="base", **none)
+    assert (bare.start, bare.guess, bare.until) == ((), (), ())
+    kept = model.scene("kept", extends="base", parameters={"mu": 0.5})
+    assert [one.name for one in kept.until] == ["far"]
+    assert model.scene("plain", extends="kept", parameters={}).parameters == ()
+
+
 def test_start_values_go_with_the_body_that_is_left_out() -> None:
     model = sledge()
     model.scene("turned", ["spring"], start={"load.phi": 0.3, "body.x": 0.1})

@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 from codegen import Model
-from codegen.errors import ParameterError
+from codegen.errors import AnalysisError, ParameterError
 from runtime import load
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
@@ -184,3 +184,15 @@ def test_impossible_masses_name_body_and_parameters(workshop: Path, rho: float) 
     for analysis in (machine.equilibrium, lambda **given: machine.inverse_dynamics([0.0], **given)):
         with pytest.raises(ParameterError, match="block"):
             analysis(parameters={"rho": rho})
+
+
+def test_a_start_at_a_pole_is_refused_without_a_warning_of_numpy(workshop: Path) -> None:
+    """Forces and slopes of potentials are infinite there, with opposite signs."""
+    model = Model("at_a_pole")
+    p = model.particle("p", mass=1.0)
+    model.constraint("rail", p.y)
+    model.potential("V", 1 / p.x + p.x**2)
+    model.force("F", p, fx=1 / p.x**2)
+    model.scene("s", ["V", "F"], guess={p.x: 0.0})
+    with pytest.raises(AnalysisError, match="not finite"):
+        load(model, folder=workshop).equilibrium("settling")

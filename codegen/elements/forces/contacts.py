@@ -55,6 +55,18 @@ def gap_problems(where: str, gap: sympy.Expr, bodies: Bodies) -> list[str]:
     ]
 
 
+def kink_problems(where: str, gaps: tuple[sympy.Expr, ...]) -> list[str]:
+    """Gaps with kinks in coordinates, at which the rate jumps that says when a damper lets go."""
+    pieces = sympy.Abs, sympy.Max, sympy.Min, sympy.sign, sympy.Heaviside, sympy.Piecewise
+    found = sorted({str(f) for g in gaps for f in g.atoms(*pieces) if kinds(f, Coordinate)})
+    return [
+        f"{where}: the damper lets go where the spring's force and its own, which is that of the "
+        f"gap's rate, add up to 0, and {piece} makes that rate one of pieces in coordinates; write "
+        "the gap as one smooth function, or give no damping, or in a contact may_pull=True."
+        for piece in found[:1]
+    ]
+
+
 SIDES = "first", "second"
 """Components of what has two gaps, in their order."""
 
@@ -149,6 +161,8 @@ class Contact(GapSprings):
             return problems
         if self.stiffness == 0 and self.damping == 0:
             problems.append(f"{label(self)}: stiffness and damping are both 0; give one of them.")
+        if self.damping != 0 and not self.may_pull:
+            problems += kink_problems(label(self), self.gaps)
         return problems
 
     def shapes(self) -> shapes.Shapes:
@@ -214,6 +228,8 @@ class Stop(GapSprings):
                 f"{where}: {s} depends on no coordinate and never reaches a limit; give a joint, "
                 "or an expression of coordinates."
             )
+        if self.damping != 0:
+            problems += kink_problems(where, self.gaps)
         return problems + [
             f"{where}: {s} contains the velocity {v.name}; a stop limits a position."
             for v in kinds(s, Velocity)
