@@ -217,9 +217,12 @@ def _kinks_of(node: sympy.Basic, phi: sympy.Expr) -> Iterator[tuple[sympy.Expr, 
     """What vanishes where a node of Φ is not smooth, and the kind of that place."""
     half = sympy.Rational(1, 2)
     if isinstance(node, sympy.Pow) and node.exp.is_number and 0 < node.exp < 1:
-        if not node.base.is_nonnegative or node.exp < half:
+        base = node.base
+        if not base.is_nonnegative and base.is_polynomial(*kinds(base, Coordinate)):
+            base = sympy.factor(base)  # perhaps a square
+        if not base.is_nonnegative or node.exp < half:
             yield node.base, "steep"
-        elif node.exp == half and not _is_gentle(node, phi):
+        elif node.exp == half and not _is_gentle(node, base, phi):
             yield node.base, "root"
     elif isinstance(node, sympy.asin | sympy.acos):
         yield 1 - node.args[0] ** 2, "end"
@@ -230,14 +233,14 @@ def _kinks_of(node: sympy.Basic, phi: sympy.Expr) -> Iterator[tuple[sympy.Expr, 
         yield x**2 + y**2, "origin"
 
 
-def _is_gentle(root: sympy.Pow, phi: sympy.Expr) -> bool:
-    """Whether Φ has a continuous slope where sums of squares vanish under a root.
+def _is_gentle(root: sympy.Pow, squares: sympy.Expr, phi: sympy.Expr) -> bool:
+    """Whether Φ has a continuous slope where a sum of `squares` vanishes under a root.
 
     All are fourth powers there, or the factor of the root in Φ's differential vanishes with them.
     """
     size = sympy.Dummy()
     factor = phi.xreplace({root: size}).diff(size).xreplace({size: sympy.S.Zero})
-    terms = sympy.Add.make_args(root.base)
+    terms = sympy.Add.make_args(squares)
     powers = [term.as_coeff_Mul()[1].as_base_exp() for term in terms]
     if all(exponent >= 4 for base, exponent in powers if base.has(Coordinate)):
         return True

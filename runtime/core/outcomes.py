@@ -117,10 +117,11 @@ class Outcome(IntEnum):
     """
     DISCONTINUOUS = """
     An explicit function of time, a law of motion or a force, has no finite value at this time,
-    or jumps where a motion cannot.
+    or it, its rate or the slope of a joint's equation jumps where a motion cannot.
 
-    Write a law that is continuous, a ramp in place of a step, or an angle that counts its
-    turns, 3*t in place of atan2(sin(3*t), cos(3*t)); or end the run before this time.
+    Let what the message names be continuous: a law by a ramp in place of a step, the rate of a
+    place by a ramp with rounded ends, an angle by one that counts its turns, 3*t in place of
+    atan2(sin(3*t), cos(3*t)). Keep a joint away from its kink; or end the run before this time.
     """
     MEMORY = """
     What the run records has used up the memory that it may take.

@@ -218,3 +218,20 @@ def test_a_search_for_rest_names_the_kink_that_it_comes_to(workshop: Path, metho
 def test_runs_of_an_ensemble_end_at_a_kink(machine: Callable[[str], Machine]) -> None:
     done = machine("ring").ensemble(2.0, 3, starts={"p.y": np.array([1.0, 1.5])})
     assert list(done["outcome"].values) == ["DISCONTINUOUS", "OK"]
+
+
+def test_sparse_instants_pass_no_kink_and_a_square_is_no_steep_place(workshop: Path) -> None:
+    model = Model("kink_between_instants")
+    p, q = model.particle("p", mass=1.0), model.particle("q", mass=1.0)
+    for body in (p, q):
+        model.absolute(f"rail_{body.name}", body, "y", 0)
+    model.constraint("row", q.x - sp.sqrt((p.x**2 - 2 * p.x + 1).expand()))
+    model.driver("pull", p.x, 1 + sp.sin(t))
+    model.scene("driven", drivers=["pull"], guess={q.x: 1})
+    driven = load(model, folder=workshop)
+    for last in (4.0, 7.0, 20.0):
+        result = driven.kinematics([0.5, last], t_start=0.5)
+        assert result.outcome is Outcome.DISCONTINUOUS
+        assert result.t.tolist() == [0.5]
+        assert "comes to 0, where its slope jumps, at t = 3.14159" in result.message
+    assert driven.kinematics([0.5, 3.1], t_start=0.5).outcome is Outcome.OK

@@ -174,7 +174,7 @@ def test_inverse_dynamics_beyond_a_table_says_so(tmp_path: Path) -> None:
     law = model.table("load_curve", [0, 1, 2, 3], [0, 1, 0, 1])
     run = load(driven(law, model), folder=tmp_path).inverse_dynamics(np.linspace(0, 2, 21))
     assert run.outcome is Outcome.OUT_OF_RANGE
-    assert "end before t = 1.6 s, since from t = 1.5 s on there are none." in run.message
+    assert "no results beyond t = 1.5 s; the last row is that of t = 1.5 s." in run.message
     assert (
         "Table 'load_curve' of 'load' is left at arm_phi = 3: its points go from 0" in run.message
     )

@@ -32,7 +32,8 @@ def end_before_infinite(result: Result, equations: Equations) -> None:
     after, at, motion = samples.at([row]), float(samples.t[row]), result._motion
     where = f"There are no results from the first instant on, t = {at:.9g} s."
     if row > 0 and motion is not None:
-        where, low = f"The results end before t = {at:.9g} s", float(samples.t[row - 1])
+        low = float(samples.t[row - 1])
+        last = f"the last row is that of t = {low:.9g} s"
         with suppress(AnalysisError):  # the motion does not come so far
             for _ in range(_TURNS):
                 found, _ = motion.at(result, np.linspace(low, at, _PARTS + 1))
@@ -40,7 +41,7 @@ def end_before_infinite(result: Result, equations: Equations) -> None:
                 if not 0 < k <= _PARTS:
                     break
                 (low, at), after = found.t[k - 1 : k + 1].tolist(), found.at([k])
-        where += f", since from t = {at:.9g} s on there are none."
+        where = f"There are no results beyond t = {at:.9g} s; {last}."
     kept = slice(max(row, 1))
     result.samples = samples.at(kept)
     result.works = {name: work[kept] for name, work in result.works.items()}

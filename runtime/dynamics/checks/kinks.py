@@ -42,6 +42,7 @@ Kink = tuple[str, str, str]  # element, kind of place, function there
 
 _NEARBY = 1e-5  # safety: scaled motion, over which no slope changes much but at a kink
 _TURNED = 0.5  # safety: change of a slope over that, in parts of it, which is a jump
+_LOOKED = 200  # measured: instants of a motion, at least, between which kinks are looked for
 _POINTS = 17  # measured: instants of a stretch in which a kink is looked for
 _ROUNDS = 16  # safety: such stretches, each an eighth of the one before
 _FLAT = 4.0  # safety: ratio of an argument beside its least value, from which on that is resolved
@@ -95,11 +96,15 @@ def end_motion_at_kink(
     kinks = _kinks(equations)
     if not kinks and motion.outcome is Outcome.OK:
         return motion
-    states = [(begin.t, begin.q, begin.v), *zip(motion.t.tolist(), motion.q, motion.v, strict=True)]
+    seen = motion
+    if kinks and len(motion.t) < _LOOKED and (np.diff([begin.t, *motion.t]) >= 0.0).all():
+        seen = through(np.union1d(motion.t, np.linspace(begin.t, motion.t[-1], _LOOKED)))
+        seen = seen if seen.outcome is Outcome.OK else motion
+    states = [(begin.t, begin.q, begin.v), *zip(seen.t.tolist(), seen.q, seen.v, strict=True)]
     t = np.array([state[0] for state in states])
-    seen = np.array([_arguments(equations, *state) for state in states])  # (states, 2, kinks)
+    arguments = np.array([_arguments(equations, *state) for state in states])  # (…, 2, kinks)
     found = None
-    for k, (u, rate) in enumerate(seen.transpose(2, 1, 0)):
+    for k, (u, rate) in enumerate(arguments.transpose(2, 1, 0)):
         for i in np.flatnonzero(_may_vanish(u, rate, np.diff(t))).tolist():
             at = _instant(equations, k, t[i], t[i + 1], through)
             if at is not None and (found is None or i < found[0]):
@@ -111,6 +116,7 @@ def end_motion_at_kink(
     if found is None:
         return motion
     kept, at, cause = found
+    kept = kept if seen is motion else int((motion.t <= t[kept]).sum())
     outcome, note = _end(equations, cause, at)
     return motion._replace(
         t=motion.t[:kept], q=motion.q[:kept], v=motion.v[:kept], outcome=outcome,
