@@ -197,7 +197,8 @@ _KINKED = (sympy.Pow, sympy.asin, sympy.acos, sympy.atan2)
 def kinks(equations: Equations) -> Iterator[PeakedFunction]:
     """The places at which equations of joints and drivers are not smooth, each once.
 
-    Roots at 0, asin and acos at the ends of their range, atan2 at its cut and at its origin.
+    Roots at 0, asin and acos at the ends of their range, atan2 at its cut and at its origin,
+    atan and other bounded functions at poles of their arguments.
     """
     found = dict[sympy.Expr, None]()
     for constraint in equations.constraints:
@@ -231,6 +232,11 @@ def _kinks_of(node: sympy.Basic, phi: sympy.Expr) -> Iterator[tuple[sympy.Expr, 
         if phi.xreplace({node: node + 2 * sympy.pi}) != phi:  # else turns do not count
             yield sympy.cos(node / 2) ** 2, "cut"
         yield x**2 + y**2, "origin"
+    if isinstance(node, sympy.atan | sympy.tanh) or (node.is_Pow and node.exp.is_negative):
+        # What is bounded at a pole of its argument may jump there.
+        divisor = sympy.fraction(sympy.together(node.args[0]))[1]
+        if divisor.has(Coordinate) and phi.xreplace({node: node + sympy.pi}) != phi:
+            yield divisor**2, "quotient"
 
 
 def _is_gentle(root: sympy.Pow, squares: sympy.Expr, phi: sympy.Expr) -> bool:

@@ -45,6 +45,12 @@ def machine(workshop: Path) -> Callable[[str], Machine]:
             model.absolute("rail_of_q", q, "x", 0.0)
             model.constraint("row", q.y - sp.asin(p.x))
             start = {p.x: 0.0, p.vx: 1.0}
+        elif name == "slope":  # an angle by atan, which jumps where x comes to 0
+            model.absolute("rail", p, "y", 1.0)
+            q = model.particle("q", mass=1.0)
+            model.absolute("rail_of_q", q, "x", 0.0)
+            model.constraint("row", q.y - sp.atan(p.y / p.x))
+            start = {p.x: -1.0, p.vx: 1.0}
         else:  # a track around the origin that closes
             turn = sp.atan2(p.y, p.x)
             model.constraint("row", sp.sqrt(p.x**2 + p.y**2) - 1 - sp.cos(3 * turn) / 5)
@@ -60,6 +66,7 @@ ENDS = {
     "ring": (Outcome.DISCONTINUOUS, 1.0, "sqrt((p_x - 3)**2 + (p_y - 2)**2) comes to 0"),
     "bowl": (Outcome.NOT_FINITE, 0.394540059, "sqrt(1 - p_x**2) comes to 0"),
     "post": (Outcome.DISCONTINUOUS, 7.460536, "atan2(-p_y, -p_x) comes to its cut"),
+    "slope": (Outcome.DISCONTINUOUS, 1.143058326, "the quotient in atan(p_y/p_x) comes to a pole"),
     "arc": (Outcome.NOT_FINITE, 1.3506438, "asin(p_x) comes to an end of its range"),
 }
 

@@ -27,12 +27,14 @@ _PLACES = {
     "end": "{} comes to an end of its range, where its slope has no bound",
     "cut": "{} comes to its cut, where it jumps by 2 pi",
     "origin": "both arguments of {} come to 0, where it has no value",
+    "quotient": "the quotient in {} comes to a pole, where it jumps",
     "pole": "a slope grows without bound, as at a pole of a tangent, a quotient or a logarithm",
     "jump": "a slope jumps, as where two points meet and their distance comes to 0",
 }
 _ADVICE = {
     "jump": "Drive a coordinate, or keep the distance above 0",
     "pole": "Multiply the equation by what comes to 0 there",
+    "quotient": "Take atan2 in place of atan, or multiply the equation by what comes to 0 there",
     "cut": "Count turns: take the angles of bodies, rack_and_pinion, gear or belt in place of it",
 }
 _STEEP = "steep", "end", "pole"
