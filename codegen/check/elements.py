@@ -343,7 +343,8 @@ def _flaws(expression: sympy.Basic, may_switch: bool) -> list[str]:
             found.append(
                 f"the condition {node} stands where nothing may switch; the pieces of constraints "
                 "and motions are chosen by the time and parameters alone, those of "
-                "model.constraint also by coordinates where values and slopes agree."
+                "model.constraint, of powers, sines and cosines, also by coordinates where values "
+                "and slopes agree."
             )
         elif node.func in KINKED and not (may_switch or is_known_beforehand(node)):
             found.append(f"{node} has a kink; constraints are smooth in coordinates.")

@@ -224,10 +224,10 @@ class Constraints(Declarations):
     def constraint(self, name: str, *phi: Any) -> Constraint:
         """Plain equations: each expression of coordinates, parameters and t is kept at zero.
 
-        They are smooth in the coordinates. Pieces are, where their values and slopes agree on both
-        sides of a condition that is linear in a coordinate; steps end where they meet. A motion
-        that comes to a root at 0 where the slope jumps, to an end of asin or acos, to the cut of
-        atan2, or to a pole ends there by name.
+        They are smooth in the coordinates. Pieces of powers, sines and cosines are, where their
+        values and slopes agree on both sides of a condition that is linear in a coordinate; steps
+        end where they meet. A motion that comes to a root at 0 where the slope jumps, to an end of
+        asin or acos, to the cut of atan2, or to a pole ends there by name.
         """
         read = (self._value(e, "", f"constraint '{name}'") for e in phi)
         equations = tuple(closed_where_smooth(e) for e in read)

@@ -16,6 +16,8 @@ _PIECES = (
     *(sympy.Mod, sympy.floor, sympy.ceiling),
 )
 
+_CLOSED = sympy.Piecewise, sympy.sin, sympy.cos
+
 
 class PiecesAtom(sympy.Atom):  # type: ignore[misc]
     """A function by pieces, and its symbols; one of the angle `alpha` repeats at each turn."""
@@ -85,20 +87,24 @@ def closed(expression: sympy.Expr) -> sympy.Expr:
 
 
 def closed_where_smooth(phi: sympy.Expr) -> sympy.Expr:
-    """An equation in coordinates closed to SymPy where it has pieces and all its slopes agree.
+    """An equation in coordinates, its terms with pieces closed to SymPy where all slopes agree.
 
     Where a slope jumps, or is not known to agree, it is left as it is, for the checks to refuse.
+    Nobody looks into what is closed: only powers, sines and cosines are, and no pieces of the time.
     """
-    if not (phi.has(Coordinate) and phi.has(*_PIECES)):
-        return phi
-    pieces = _spelled_out(phi)
-    surfaces = {c.lhs - c.rhs for c in pieces.atoms(Relational) if c.has(Coordinate)}
-    powers = (power.exp for power in phi.atoms(sympy.Pow))
-    if not surfaces or not all(e.is_integer or (e - 2).is_nonnegative for e in powers):
-        return phi
-    if not all(_is_smooth_across(sympy.nsimplify(pieces, rational=True), g) for g in surfaces):
-        return phi
-    return close(pieces)
+    terms = sympy.Add.make_args(phi)
+    parts = [e for e in terms if any(node.has(Coordinate) for node in e.atoms(*_PIECES))]
+    pieces = _spelled_out(sympy.Add(*parts))
+    powers = (power.exp for part in parts for power in part.atoms(sympy.Pow))
+    surfaces = {c.lhs - c.rhs for c in pieces.atoms(Relational)}
+    if (
+        parts
+        and all(isinstance(f, _CLOSED) for f in pieces.atoms(sympy.Function))
+        and all(e.is_integer or (e - 2).is_nonnegative for e in powers)
+        and all(_is_smooth_across(sympy.nsimplify(pieces, rational=True), g) for g in surfaces)
+    ):
+        return phi - sympy.Add(*parts) + close(pieces)
+    return phi
 
 
 def _is_smooth_across(pieces: sympy.Expr, g: sympy.Expr) -> bool:

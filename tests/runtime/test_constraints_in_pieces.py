@@ -58,8 +58,18 @@ def test_bead_on_a_track_in_pieces(workshop: Path, name: str) -> None:
 @pytest.mark.parametrize(
     "track",
     [sp.Abs(x), sp.Piecewise((0, x < 0), (x, True)), sp.Piecewise((0, x < 0), (1 + x**2, True)),
-     sp.Abs(x) ** 1.5],
+     sp.Abs(x) ** 1.5, sp.Max(0, x) ** 2 + sp.floor(x), sp.Max(0, x) ** 2 * sp.exp(x)],
 )  # fmt: skip
 def test_slopes_that_jump_are_refused(workshop: Path, track: sp.Expr) -> None:
     with pytest.raises(ModelError, match=r"constraint 'track': .*(kink|nothing may switch)"):
         load(model_of("refused", track), "run", folder=workshop)
+
+
+def test_other_terms_are_looked_into(workshop: Path) -> None:
+    """Beside pieces the law's rate jumps at 0.4, and the cut is come to at 1, by name."""
+    law = sp.Piecewise((0, t < 0.4), (t - 0.4, True))
+    machine = load(model_of("beside", sp.Max(0, x) ** 2 + law), "run", folder=workshop)
+    (jump,) = machine.simulate(1.0).events
+    assert jump.time == pytest.approx(0.4, abs=1e-12)
+    cut = load(model_of("cut", sp.Max(0, x) ** 2 + sp.atan2(x, -1)), "driven", folder=workshop)
+    assert "atan2(bead_x, -1) comes to its cut" in cut.kinematics(np.linspace(0, 2, 11)).message
