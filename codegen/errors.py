@@ -3,6 +3,7 @@
 This module imports none of the others: the runtime raises the same errors without loading SymPy.
 """
 
+import inspect
 import sys
 import warnings
 from collections.abc import Iterable
@@ -90,8 +91,14 @@ class TableWarning(UserWarning):
 
 
 def note(text: str, kind: type[Warning] = UserWarning) -> None:
-    """Warn of what takes time and changes no result; no error, whatever the filters."""
+    """Warn of what takes time and changes no result; no error, whatever the filters.
+
+    It points at the line outside the library that has called it.
+    """
+    frame, level, ours = inspect.currentframe(), 1, ("codegen", "runtime", "linkwright")
+    while frame and frame.f_globals.get("__name__", "").partition(".")[0] in ours:
+        frame, level = frame.f_back, level + 1
     try:
-        warnings.warn(text, kind, stacklevel=3)
+        warnings.warn(text, kind, stacklevel=level)
     except kind:  # warnings are errors here
         sys.stderr.write(f"note: {text}\n")
