@@ -31,6 +31,7 @@ from runtime.core.kinds import FREE, SLIDING
 from runtime.hybrid.rest_forces import (
     choose_units,
     enlarge_unit,
+    is_clearly_driven,
     is_prescribed,
     is_unilateral,
     keep_resting,
@@ -93,12 +94,16 @@ def evaluate_unit(context: Context, t: float, q: Vector, v: Vector, c: int) -> N
     a, lam = context.unit_accelerations[c], context.unit_multipliers[c]
     set_unit(context, k, 1)
     abi.accelerations_of(context)(t, q, v, context.parameters, context.kernel_modes, a, lam)
-    with_unit = measure_forces(context, t, q, v, k)
     set_unit(context, k, 0)
-    context.force_rates[c] = max(with_unit, measure_forces(context, t, q, v, k))
     evaluate_response(context, t, q, v, a, context.response_column)
     for i in range(count):
         context.response[i * count + c] = context.response_column[i] - context.base_response[i]
+    if not is_clearly_driven(context, c):
+        context.force_rates[k] = measure_forces(context, t, q, v, k)
+        set_unit(context, k, 1)
+        with_unit = measure_forces(context, t, q, v, k)
+        set_unit(context, k, 0)
+        context.force_rates[k] = max(with_unit, context.force_rates[k])
     axpy(-1.0, context.base_accelerations, a)
     axpy(-1.0, context.base_multipliers, lam)
 

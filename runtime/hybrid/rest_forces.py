@@ -14,7 +14,7 @@ from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.arrays import Context, Vector, view
 from runtime.core.jit import inlined, inner
-from runtime.core.kinds import BALANCED, MIXED, ONE_WAY, SLIDING
+from runtime.core.kinds import BALANCED, FRICTION, MIXED, ONE_WAY, SLIDING
 from runtime.linalg.dense_elimination import equilibrate
 from runtime.linalg.rank_policy import SAME_HOLD
 from runtime.linalg.vectors import axpy, copy_vector, dot, is_finite, largest_ratio
@@ -129,6 +129,7 @@ def enlarge_unit(context: Context, k: int) -> bool:
 
 _DRIVEN = 1e-12  # accuracy: of a size and all accelerations; a smaller response is rounding
 _FORCED = 1e-14  # accuracy: of a size and all F/m; a response of what stands, below it, is rounding
+_CLEARLY = 1e-6  # safety: the same, of F/m at an earlier instant; more is a response by far
 
 
 @inlined
@@ -235,6 +236,14 @@ def rest_mixed(context: Context) -> bool:
 
 
 @inner
+def is_clearly_driven(context: Context, c: int) -> bool:
+    """Whether a force of friction moves the `c`-th function by far, by F/m as last measured."""
+    k, response = context.sliding_functions[c], context.response[c * context[ft.SLIDING_COUNT] + c]
+    known = context.force_rates[k] * context.reserve[k]
+    return bool(context.sticks[k] == FRICTION and abs(response) > _CLEARLY * known > 0.0)
+
+
+@inner
 def is_driven(context: Context, c: int, way: float) -> bool:
     """Whether its modes move the `c`-th function in sliding mode, `way` -1 onto, 1 off, 0 either.
 
@@ -242,6 +251,8 @@ def is_driven(context: Context, c: int, way: float) -> bool:
     machine that stands bears, nor does a condition move what a contact or a freewheel keeps.
     """
     k = context.sliding_functions[c]
+    if is_clearly_driven(context, c):
+        return True
     for j in range(context[ft.SLIDING_COUNT]):
         other = context.sliding_functions[j]
         kept = is_unilateral(context, other) and context.sticks[k] == 0
@@ -255,7 +266,7 @@ def is_driven(context: Context, c: int, way: float) -> bool:
     per_second = largest_ratio(context.base_accelerations, speeds)
     per_second += largest_ratio(context.unit_accelerations[c], speeds)
     largest = context.reserve[k] if context.modes[k] == SLIDING else context.largest[k]
-    per_second = max(_DRIVEN * per_second, _FORCED * context.force_rates[c])
+    per_second = max(_DRIVEN * per_second, _FORCED * context.force_rates[k])
     return not response <= largest * per_second
 
 
