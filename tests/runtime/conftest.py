@@ -11,7 +11,6 @@ from typing import Any
 import pytest
 
 from codegen.generated_files.generated_file import write_if_changed
-from codegen.reading.model_file import file_hash
 from runtime import load
 from runtime.integrate import checkpoints
 from runtime.machine_facade import Machine
@@ -58,7 +57,7 @@ def library(root: Path, workshop: Path) -> Callable[[str, str], Machine]:
         model = copied / "models" / f"{name}.py"
         write_if_changed(model, (root / "models" / f"{name}.py").read_text(encoding="utf-8"))
         path = copied / "generated" / machine.path.name
-        origin = Origin(model, scene, path, file_hash(machine.path))
+        origin = Origin(model, scene, path, machine.path.read_text(encoding="utf-8"))
         return Machine(replace(machine.mechanism, origin=origin))
 
     return loaded
