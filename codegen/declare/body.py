@@ -18,7 +18,7 @@ from codegen.readers.calls import declaring, declaring_class, named_attributes
 from codegen.readers.expressions import plain_expression
 from codegen.readers.quantities import in_unit, metres
 from codegen.readers.values import KindError, members, shown
-from codegen.tables.closed_pieces import closed
+from codegen.tables.piecewise_function import closed
 
 Loads = dict[Coordinate, sympy.Expr]
 """Generalized forces Q, by coordinate."""

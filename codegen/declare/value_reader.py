@@ -46,7 +46,7 @@ from codegen.readers.values import (
     plain_float,
     shown,
 )
-from codegen.tables.closed_pieces import ClosedPieces, PiecesAtom
+from codegen.tables.piecewise_function import ClosedPieces, PiecesAtom
 from codegen.tables.table_function import Interpolant, TableAtom
 
 INTERNAL = (Given, Side, Speed, Multiplier, Acceleration)

@@ -25,7 +25,7 @@ from codegen.derive.effect_terms import EffectTerms
 from codegen.derive.piecewise_conditions import Boundary, boundary, conditions, switching_function
 from codegen.readers.calls import errors_at
 from codegen.tables.branches import knot_function, knots_function
-from codegen.tables.closed_pieces import ClosedPieces
+from codegen.tables.piecewise_function import ClosedPieces
 from codegen.tables.table_function import Interpolant, TableAtom
 
 Named = tuple[str, EffectTerms]

@@ -34,7 +34,7 @@ from codegen.derive.piecewise_conditions import (
 )
 from codegen.derive.switching_functions import Switch, find_switch, rate
 from codegen.readers.expressions import distinct_nodes, powers_with_number_outside
-from codegen.tables.closed_pieces import ClosedPieces
+from codegen.tables.piecewise_function import ClosedPieces
 from codegen.tables.table_function import Interpolant
 
 

@@ -30,7 +30,7 @@ from codegen.lower.graph import Graph
 from codegen.lower.program import ELEMENTARY, Input, Op, dependencies
 from codegen.readers.calls import unreadable
 from codegen.readers.expressions import constant_value, powers_with_number_outside
-from codegen.tables.closed_pieces import ClosedPieces
+from codegen.tables.piecewise_function import ClosedPieces
 from codegen.tables.table_function import Interpolant
 
 FUNCTIONS = {getattr(sympy, name): Op(name) for name in ELEMENTARY if name not in ("sqrt", "pow")}

@@ -37,8 +37,8 @@ from codegen.elements.joints.wheels import Belt, Gear
 from codegen.model.base import Declarations, Pair, Place, declares
 from codegen.object_display import counted
 from codegen.readers.values import shown
-from codegen.tables.closed_pieces import close, closed_where_smooth
 from codegen.tables.piecewise_cubic import fit
+from codegen.tables.piecewise_function import close, closed_where_smooth
 from codegen.tables.table_function import FEWEST, TableFunction
 
 # accuracy: first and last point of a path that agree to this part of its size are one

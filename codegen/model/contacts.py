@@ -15,7 +15,7 @@ from codegen.elements.forces.friction import JOINTS, DryFriction, JointFriction,
 from codegen.elements.scalar_measures import unit_of
 from codegen.model.base import Declarations, Ends, Pair, Place, declares
 from codegen.readers.values import shown
-from codegen.tables.closed_pieces import closed
+from codegen.tables.piecewise_function import closed
 
 FrictionLaw = Literal["sticking", "regularised"]
 

@@ -16,9 +16,9 @@ from codegen.readers.calls import declaring
 from codegen.readers.expressions import plain_expression
 from codegen.readers.quantities import UnitError, in_unit, is_quantity, same_dimension
 from codegen.readers.values import KindError, plain_float, shown
-from codegen.tables.closed_pieces import opened
 from codegen.tables.period import is_angle
 from codegen.tables.piecewise_cubic import Kind, Table
+from codegen.tables.piecewise_function import opened
 
 DEGREE = 3
 # formula: the fewest points of each kind; of a periodic table one more, its first point again

@@ -273,10 +273,10 @@ def projection_only(
     """
     names = ", ".join(row.name for row in begin.redundant)
     if method in IMPLICIT:
-        follow, them = ("follow", "them") if len(begin.redundant) > 1 else ("follows", "it")
+        names_follow, them = name_redundant(begin)
         raise AnalysisError(
             f"{mechanism.title}: method {method!r} needs independent constraints, and "
-            f"{names} {follow} from others. Take {alternatives(EXPLICIT)}, or remove {them}."
+            f"{names_follow} from others. Take {alternatives(EXPLICIT)}, or remove {them}."
         )
     if correction not in {"step", "projection"}:
         raise AnalysisError(
@@ -284,6 +284,12 @@ def projection_only(
             f'projection; correction={correction!r} needs independent ones. Leave it at "step".'
         )
     return "projection"
+
+
+def name_redundant(start: Assembly) -> tuple[str, str]:
+    """The subject and verb of a sentence on redundant rows, "a.x follows", and their pronoun."""
+    verb, pronoun = ("follow", "them") if len(start.redundant) > 1 else ("follows", "it")
+    return f"{', '.join(row.name for row in start.redundant)} {verb}", pronoun
 
 
 def redundancy_note(start: Assembly) -> str:

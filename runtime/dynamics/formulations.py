@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from codegen.errors import InputError
-from runtime.assembly.redundancy import projection_only, suited_equations
+from runtime.assembly.redundancy import name_redundant, projection_only, suited_equations
 from runtime.core.system import System
 from runtime.dynamics.changes_of_coordinates import Changes
 from runtime.dynamics.controllers import remembered
@@ -220,10 +220,10 @@ def _refuse(ready: PreparedSimulation, correction: Correction) -> None:
             f"eliminate; take one of {', '.join(_CORRECTIONS)}"
         )
     if begin.redundant:
-        follow, them = ("follow", "them") if len(begin.redundant) > 1 else ("follows", "it")
+        names_follow, them = name_redundant(begin)
         problems.append(
-            f"{', '.join(row.name for row in begin.redundant)} {follow} from other constraints, "
-            f"and reduced coordinates need independent ones; remove {them}"
+            f"{names_follow} from other constraints, and reduced coordinates need independent "
+            f"ones; remove {them}"
         )
     stuck = [*description.stiction, *(k for k, *_ in description.friction_limits)]
     if stuck:

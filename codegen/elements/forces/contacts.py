@@ -17,7 +17,7 @@ from codegen.elements.scalar_measures import (
     is_constant,
     same_body,
 )
-from codegen.tables.closed_pieces import closed
+from codegen.tables.piecewise_function import closed
 
 
 def gap_between(

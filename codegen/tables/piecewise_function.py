@@ -25,7 +25,7 @@ class PiecesAtom(sympy.Atom):  # type: ignore[misc]
     __slots__ = ("expression", "symbols")
 
     def __new__(cls, expression: sympy.Expr) -> "PiecesAtom":
-        """Wrap an expression of time and parameters, or of `alpha` and parameters."""
+        """Wrap an expression of parameters and the time, `alpha` or coordinates."""
         atom: PiecesAtom = super().__new__(cls)
         atom.expression = expression
         atom.symbols = tuple(sorted(expression.free_symbols, key=str))
