@@ -302,7 +302,7 @@ def _start_on_branch(
         return None
     positions = SingularPositions(equations.scaled(task.scale, np.arange(equations.m)))
     rest = np.zeros_like(v)
-    position = positions.find(taylor(task.t, q, v, rest), 0.0)
+    position = positions.find(taylor(task.t, q, v, rest), 0.0, branch=True)
     if position is None or position.gap > _ROUNDING:
         return None
     away = q - position.q
@@ -310,7 +310,7 @@ def _start_on_branch(
         part = float(away[fixed_v] @ v[fixed_v]) if fixed_v.any() else float(away @ v)
         along = away * np.sign(part or 1.0)
         along *= np.linalg.norm(v / task.scale) / np.linalg.norm(along / task.scale)
-        position = positions.find(taylor(task.t, q, along, rest), 0.0)
+        position = positions.find(taylor(task.t, q, along, rest), 0.0, branch=True)
         if position is None or position.gap > _ROUNDING:
             return None
     elif position.astray > _DIRECTION_ERROR:

@@ -144,7 +144,7 @@ def eliminate_at(
 ) -> float:
     """Fill the pivots of Phi_q at (t, q); the smallest of them."""
     jacobian_of(kernels)(t, q, s.p, s.values)
-    fill_unit_rows(Sparse(s.rows, s.columns, s.values), s.scale, s.dense)
+    fill_unit_rows(Sparse(s.rows, s.columns, s.values), s.scale, s.dense, pivots)
     eliminate_rows(s.dense, order, pivots, search)
     return float(smallest_pivot(pivots))
 

@@ -171,12 +171,10 @@ def _apart(equations: Equations, branch: Branch, choices: list[Branch]) -> str:
 
 
 def _named(equations: Equations, x: FloatArray) -> dict[str, float]:
-    largest = float(x[np.abs(x).argmax()])
-    return {
-        row.name: float(part / largest)
-        for row, part in zip(equations.description.coordinates, x, strict=True)
-        if abs(part) > 1e-9 * abs(largest)
-    }
+    coordinates, sizes = equations.description.coordinates, np.abs(x)
+    shares = x / x[sizes.argmax()]
+    places = np.flatnonzero(sizes > 1e-9 * sizes.max()).tolist()
+    return {coordinates[k].name: float(shares[k]) for k in places}
 
 
 def _of_all(at: RankDeficiency) -> tuple[int, FloatArray]:

@@ -96,7 +96,7 @@ class Crossings:
             return False
         q, v = self.state.y
         motion = taylor(float(self.record["t"]), q, v, np.zeros_like(v))
-        position = self.positions.find(motion, 0.0)
+        position = self.positions.find(motion, 0.0, branch=True)
         if position is None or position.gap > self.steps.rounding(q):
             return False
         if position.astray > max(_ASTRAY, self.rtol):
@@ -308,4 +308,5 @@ class Crossings:
         return taylor(t, q, v, a)
 
     def _length(self, vector: Vector) -> float:
-        return float(np.linalg.norm(vector / self.scale))
+        scaled = vector / self.scale
+        return sqrt(scaled @ scaled)

@@ -26,7 +26,7 @@ import numpy as np
 from runtime.core.arrays import Integers, Matrix, Vector, f8, i8, integers, matrix, view
 from runtime.core.jit import compiled, inner
 from runtime.linalg.rank_policy import REDUNDANT
-from runtime.linalg.vectors import dot, largest_magnitude
+from runtime.linalg.vectors import largest_magnitude
 
 
 @inner
@@ -98,6 +98,7 @@ def solve_equilibrated(a: Vector, b: Vector, f: int, pivots: Integers, least: fl
     return 0
 
 
+_HALF, _LOWER = 32, 2**32 - 1  # layout: bits of half an integer, and the lower half's
 _TIED = 1e-9  # safety: entries that differ by no more than this part are equal
 
 
@@ -105,11 +106,11 @@ _TIED = 1e-9  # safety: entries that differ by no more than this part are equal
 def largest_column(dense: Matrix, row: int, first: int) -> int:
     """Column of the largest entry of a row, from `first` on; of equal ones the first."""
     n = dense.shape[1]
-    at, largest = first, 0.0
+    at, beyond = first, 0.0
     for j in range(first, n):
         # A tie goes to the first: the choice must not hang on rounding.
-        if abs(dense[row, j]) > largest * (1.0 + _TIED):
-            at, largest = j, abs(dense[row, j])
+        if abs(dense[row, j]) > beyond:
+            at, beyond = j, abs(dense[row, j]) * (1.0 + _TIED)
     return at
 
 
@@ -118,9 +119,9 @@ def eliminate_below(dense: Matrix, step: int) -> None:
     """Take multiples of row `step` from those below, and leave the ratios in its column."""
     m, n = dense.shape
     for i in range(step + 1, m):
-        ratio = dense[i, step] / dense[step, step]
-        dense[i, step] = ratio
-        if ratio != 0.0:
+        if dense[i, step] != 0.0:
+            ratio = dense[i, step] / dense[step, step]
+            dense[i, step] = ratio
             for j in range(step + 1, n):
                 dense[i, j] -= ratio * dense[step, j]
 
@@ -136,20 +137,21 @@ def factor_fully(dense: Matrix, row_order: Integers, column_order: Integers, lea
     m, n = dense.shape
     for j in range(n):
         column_order[j] = j
-    # Until the end a row's place holds its number and, times m, the column of its largest entry.
+    # Until the end a row's place holds its number and, in its upper half, the column of its largest
+    # entry.
     for i in range(m):
-        row_order[i] = i + m * largest_column(dense, i, 0)
+        row_order[i] = i | largest_column(dense, i, 0) << _HALF
     rank = min(m, n)
     for step in range(min(m, n)):
         pivot, at_row = 0.0, step
         for i in range(step, m):
-            largest = abs(dense[i, row_order[i] // m])
+            largest = abs(dense[i, row_order[i] >> _HALF])
             if largest > pivot * (1.0 + _TIED):
                 pivot, at_row = largest, i
         if not pivot > least:
             rank = step
             break
-        at_column = row_order[at_row] // m
+        at_column = row_order[at_row] >> _HALF
         if at_row != step:
             for j in range(n):
                 dense[step, j], dense[at_row, j] = dense[at_row, j], dense[step, j]
@@ -163,10 +165,11 @@ def factor_fully(dense: Matrix, row_order: Integers, column_order: Integers, lea
         eliminate_below(dense, step)
         for i in range(step + 1, m):
             # The column that was exchanged stands further back now.
-            if dense[i, step] != 0.0 or row_order[i] // m == step:
-                row_order[i] = row_order[i] % m + m * largest_column(dense, i, step + 1)
+            if dense[i, step] != 0.0 or row_order[i] >> _HALF == step:
+                row_order[i] &= _LOWER
+                row_order[i] |= largest_column(dense, i, step + 1) << _HALF
     for i in range(m):
-        row_order[i] %= m
+        row_order[i] &= _LOWER
     return int(rank)
 
 
@@ -188,16 +191,20 @@ def fill_dense(sparse: Sparse, scale: Vector, dense: Matrix) -> None:
 
 
 @inner
-def fill_unit_rows(sparse: Sparse, scale: Vector, dense: Matrix) -> None:
-    """Write Φ_q as a dense matrix (m, n), its columns times `scale`, its rows of unit length."""
+def fill_unit_rows(sparse: Sparse, scale: Vector, dense: Matrix, inverse: Vector) -> None:
+    """Write Φ_q as a dense matrix (m, n), its columns times `scale`, its rows of unit length.
+
+    `inverse` receives what the rows are multiplied by, (m,).
+    """
+    rows, columns, values = sparse.rows, sparse.columns, sparse.values
     fill_dense(sparse, scale, dense)
-    m, n = dense.shape
-    for i in range(m):
-        total = dot(dense[i], dense[i])
-        if total > 0.0:
-            inverse = 1.0 / np.sqrt(total)
-            for j in range(n):
-                dense[i, j] *= inverse
+    inverse[:] = 0.0
+    for k in range(rows.size):
+        inverse[rows[k]] += (values[k] * scale[columns[k]]) ** 2
+    for i in range(inverse.size):
+        inverse[i] = 1.0 / np.sqrt(inverse[i]) if inverse[i] > 0.0 else 1.0
+    for k in range(rows.size):
+        dense[rows[k], columns[k]] *= inverse[rows[k]]
 
 
 @inner
@@ -206,10 +213,11 @@ def eliminate_rows(dense: Matrix, order: Integers, pivots: Vector, search: int) 
     m, n = dense.shape
     for i in range(m):
         if search != 0:
-            order[i] = 0
+            column, largest = 0, abs(dense[i, 0])
             for j in range(1, n):
-                if abs(dense[i, j]) > abs(dense[i, order[i]]):
-                    order[i] = j
+                if abs(dense[i, j]) > largest:
+                    column, largest = j, abs(dense[i, j])
+            order[i] = column
         column = order[i]
         pivot = dense[i, column]
         pivots[i] = pivot
@@ -219,8 +227,9 @@ def eliminate_rows(dense: Matrix, order: Integers, pivots: Vector, search: int) 
             if dense[k, column] != 0.0:
                 ratio = dense[k, column] / pivot
                 for j in range(n):
-                    if dense[i, j] != 0.0:
-                        dense[k, j] -= ratio * dense[i, j]
+                    # Without a branch: as many at once as registers hold.
+                    less = dense[k, j] - ratio * dense[i, j]
+                    dense[k, j] = less if dense[i, j] != 0.0 else dense[k, j]
 
 
 @inner

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from runtime.core.arrays import Matrix, Vector, f8, matrix, none, vector
+from runtime.core.arrays import Integers, Matrix, Vector, f8, matrix, none, vector
 from runtime.core.jit import compiled, inner
 
 _PASSES = 4  # safety: of Newton's method for the instant of the least distance
@@ -47,12 +47,12 @@ class Motion(NamedTuple):
 
 def taylor(t: float, q: Vector, v: Vector, a: Vector) -> Motion:
     """The quadratic with this position, velocity and acceleration."""
-    return Motion(t, np.stack([q, v, 0.5 * a]))
+    return Motion(t, np.array((q, v, 0.5 * a)))
 
 
 def hermite(t: float, h: float, start: tuple[Vector, ...], end: tuple[Vector, ...]) -> Motion:
     """The quintic with these q, v and a at both ends of a step of length h."""
-    return interpolate(t, h, (0, 0, 0, 1, 1, 1), (0, 1, 2, 0, 1, 2), np.stack([*start, *end]))
+    return interpolate(t, h, (0, 0, 0, 1, 1, 1), (0, 1, 2, 0, 1, 2), np.array((*start, *end)))
 
 
 def interpolate(
@@ -64,20 +64,22 @@ def interpolate(
     t + unit · `nodes`, s. (G. G. Lorentz, K. Jetter, S. D. Riemenschneider, Birkhoff Interpolation,
     1983, chapter 1.)
     """
-    units = unit ** np.array(orders)[:, None]
-    coefficients = _fit(tuple(nodes), tuple(orders)) @ (values * units)
-    return Motion(t, coefficients / unit ** np.arange(len(nodes))[:, None])
+    fit, order, power = _fit(tuple(nodes), tuple(orders))
+    return Motion(t, fit @ (values * unit**order) / unit**power)
 
 
 @lru_cache(maxsize=8)
-def _fit(nodes: tuple[float, ...], orders: tuple[int, ...]) -> Matrix:
-    """The matrix that makes coefficients of derivatives; most fits share a few of them."""
+def _fit(nodes: tuple[float, ...], orders: tuple[int, ...]) -> tuple[Matrix, Integers, Integers]:
+    """The matrix that makes coefficients of derivatives; powers of the unit in both, (k, 1).
+
+    Most fits share a few of them.
+    """
     x, order, power = np.array(nodes)[:, None], np.array(orders)[:, None], np.arange(len(nodes))
     factors = np.ones((len(nodes), len(nodes)))
     for d in range(max(orders, default=0)):
         factors *= np.where(d < order, np.maximum(power - d, 0), 1)
     inverse: Matrix = np.linalg.inv(factors * x ** np.maximum(power - order, 0))
-    return inverse
+    return inverse, order, power[:, None]
 
 
 @inner

@@ -162,7 +162,7 @@ def find_pivots(context: Context, t: float, state: int, row: int, search: int) -
     if context[ft.SPARSE] != 0:
         ft.find_pivots_sparsely_of(context)(context, row, search)
         return
-    fill_unit_rows(sparse, context.scale, dense)
+    fill_unit_rows(sparse, context.scale, dense, context.pivots[row])
     eliminate_rows(dense, context.pivot_columns, context.pivots[row], search)
 
 

@@ -146,6 +146,7 @@ class PivotOrders:
         strong, rows = factor_fully(a, *orders, STRONG), len(a)
         values = np.ones(rows)
         if strong < rows:
+            weak_part = a[strong:, strong:].copy()
             # Loaded where something is singular.
             from runtime.singularity.schur_complement import reduce_to_weak_part
 
@@ -153,7 +154,10 @@ class PivotOrders:
                 values[strong:] = 0.0
                 smallest = np.linalg.svd(a[strong:, strong:], compute_uv=False)
                 values[strong : strong + smallest.size] = smallest
-            factor_fully(constraints.dense(entries), *orders, 0.0)
+            places = np.empty(rows - strong, np.int64), np.empty(len(a[0]) - strong, np.int64)
+            factor_fully(weak_part, *places, 0.0)
+            for order, behind in zip(orders, places, strict=True):
+                order[strong:] = order[strong:][behind]
         return PivotOrder(
             entries, orders[0].copy(), orders[1].copy(), count_weak(np.minimum(values, 1))
         )

@@ -18,7 +18,7 @@ from runtime.linalg.rank_policy import LOST
 from runtime.singularity.motion_polynomial import Motion, distance, nearest_time
 from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.schur_complement import PivotOrders
-from runtime.singularity.singular_root_search import Root, Search
+from runtime.singularity.singular_root_search import ITERATIONS, Root, Search
 
 _SAME = 0.05  # measured: of the way there; a motion that comes as near to a known position passes
 _ROUNDED = 1e-13  # accuracy: gap of unit rows that is rounding
@@ -51,22 +51,23 @@ class SingularPositions:
         self.constraints = constraints
         self.orders, self.search = _searches(constraints)
 
-    def find(self, motion: Motion, s: float) -> Singularity | None:
+    def find(self, motion: Motion, s: float, branch: bool = False) -> Singularity | None:
         """The singular position that the motion passes, or barely misses, about the time s hence.
 
         The motion is in the machine's own units, s negative where the position lies behind. None
-        where there is none near, or where the machine rests.
+        where there is none near, or where the machine rests. Unless the nearest `branch` is asked
+        for, `veer` is a first guess.
         """
         speed = self._speed(motion)
         if not 0.0 < speed < np.inf:
             return None
         search = self.search(self.constraints, self.orders, motion, speed)
-        best = None
+        best, most = None, ITERATIONS if branch else 1
         # With more weak rows than the motion loses, it misses the position that loses all of them,
         # and may pass one close by that loses fewer.
         for weak in range(search.count_weak(s), 0, -1):
             root = search.find(s, weak)
-            found = _characterise(search, *root) if root is not None else None
+            found = _characterise(search, *root, most) if root is not None else None
             if found is not None and (best is None or found.gap < _CLEARLY * best.gap):
                 best = found
             if best is not None and best.gap <= _ROUNDED:
@@ -110,14 +111,14 @@ def _searches(constraints: ScaledConstraints) -> tuple[PivotOrders, type[Search]
     return SparsePivotOrders(constraints), SparseSearch
 
 
-def _characterise(search: Search, root: Root, s: float) -> Singularity | None:
+def _characterise(search: Search, root: Root, s: float, most: int) -> Singularity | None:
     """The singular position at a root; None where the motion does not come near."""
     constraints = search.constraints
     rate = search.path.at(s)[1]
     miss = distance(search.path.series, s, root.z)
     if miss > 0.1 * abs(s) * search.speed + 1e-3:
         return None
-    passage = search.passage(root, rate)
+    passage = search.passage(root, rate, most)
     count, direction = passage.lost, passage.direction
     if constraints.independent.size < constraints.m:
         found = _lost_by_all_rows(search, root, direction)

@@ -39,7 +39,7 @@ from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.schur_complement import PivotOrder, PivotOrders
 from runtime.singularity.search_function_table import set_units, unit_jacobian_entries
 
-_ITERATIONS = 40  # safety: Newton iterations
+ITERATIONS = 40  # safety: Newton iterations
 _CONVERGED = 1e-12  # accuracy: a step over a direction's length, or 1 + |z|, that is the last
 _DIFFERENCE = 6e-6  # accuracy: EPS ** (1/3), the relative size of a central difference
 _REGULAR = 1e-13  # accuracy: of the largest: squared singular values below this determine nothing
@@ -141,10 +141,10 @@ def newton_step(slopes: Matrix, square: Matrix, missed: Vector, x: Vector) -> fl
     return float(np.sqrt(moved / max(size, 1e-300)))
 
 
-@allocating(i8(integers, vector, vector, matrix, matrix, matrix, vector))
+@allocating(i8(integers, vector, vector, matrix, matrix, matrix, vector, i8))
 def find_branch(
     search: Integers, z: Vector, rate: Vector, left: Matrix, null: Matrix, passing: Matrix,
-    x: Vector,
+    x: Vector, most: int,
 ) -> int:  # fmt: skip
     """Direction of the branch nearest to a motion, in a singular position; returns the iterations.
 
@@ -153,13 +153,14 @@ def find_branch(
     dz/ds of the motion, (n + 1,); `left` (rows, weak) are orthonormal left vectors, `null` (n + 1,
     free) null vectors N. `passing` (weak, free) becomes the rate of the complement along the
     motion; `x` (free,) the branch's direction less that of the motion, in terms of null vectors.
+    After `most` iterations, one at least, the direction is what they have come to.
     """
     wide, free = null.shape
     weak = left.shape[1]
     direction, missed = st.step_of(search), view(st.residuals_of(search), 0, weak)
     slopes, square = np.empty((weak, free)), np.empty((weak, weak))
     multiply(null.T, rate, x)
-    for iteration in range(_ITERATIONS):
+    for iteration in range(most):
         multiply(null, x, direction)
         differentiate_complement(search, z, left, null, 0, slopes)
         if iteration == 0:
@@ -186,7 +187,7 @@ def find_root(search: Integers, z: Vector, left: Matrix, null: Matrix) -> float:
     a, x, form = np.empty((rows, wide)), np.empty(free), np.empty((weak * free, free))
     square, normal = np.empty((weak, weak)), np.empty((free, free))
     copy_vector(z, origin)
-    for iteration in range(_ITERATIONS):
+    for iteration in range(ITERATIONS):
         if not schur.eliminate_strong_rows(search, z, strong, a, gaps):
             return -1.0
         if iteration % _KEEP == 0 or iteration == 1:
@@ -281,14 +282,14 @@ class Search:
                 break
         return (found, s) if found is not None else None
 
-    def passage(self, root: Root, rate: Vector) -> Passage:
-        """How a motion at the rate dz/ds, (n + 1,), passes a root."""
+    def passage(self, root: Root, rate: Vector, most: int) -> Passage:
+        """How a motion at the rate dz/ds, (n + 1,), passes a root; `most`: as of `find_branch`."""
         # Loaded where something is singular.
         from runtime.singularity.singular_root_search import find_branch
 
         weak, free = root.left.shape[1], root.null.shape[1]
         passing, x = np.empty((weak, free)), np.empty(free)  # of the complement; towards the branch
-        find_branch(self.table, root.z, rate, root.left, root.null, passing, x)
+        find_branch(self.table, root.z, rate, root.left, root.null, passing, x, most)
         _, rates, right = np.linalg.svd(passing)
         count = len(rates)
         direction = (root.null @ right[count - 1])[:-1]

@@ -129,7 +129,7 @@ def entries_at(matrix: Any, rows: Integers, columns: Integers) -> Vector:
     return out
 
 
-def nearest_passage(jacobian: SparseJacobian, root: Root, rate: Vector) -> Passage:
+def nearest_passage(jacobian: SparseJacobian, root: Root, rate: Vector, most: int) -> Passage:
     """How a motion at the rate dz/ds, (n + 1,), passes a root, and the branch nearest to it."""
     left: Any = root.left
     null: Any = root.null
@@ -137,7 +137,7 @@ def nearest_passage(jacobian: SparseJacobian, root: Root, rate: Vector) -> Passa
     of_left, of_null = (left.T @ left).tocsc(), (null.T @ null).tocsc()
     start = splu(of_null, permc_spec="MMD_AT_PLUS_A").solve(null.T @ rate)
     x, weakest, direction = start, 0.0, np.zeros(free)
-    for iteration in range(_ITERATIONS):
+    for iteration in range(most):
         slopes = left.T @ jacobian.matrix(difference(jacobian, root.z, null @ x)) @ null
         largest = float(slopes.multiply(slopes).sum(axis=1).max()) or 1.0
         whole = bordered_matrix(of_null, slopes, -_REGULAR * largest * of_left)
@@ -191,9 +191,9 @@ class SparseSearch(Search):
         super().__init__(constraints, orders, motion, speed)
         self.jacobian = SparseJacobian(constraints)
 
-    def passage(self, root: Root, rate: Vector) -> Passage:
-        """How a motion at the rate dz/ds, (n + 1,), passes a root."""
-        return nearest_passage(self.jacobian, root, rate)
+    def passage(self, root: Root, rate: Vector, most: int) -> Passage:
+        """How a motion at the rate dz/ds, (n + 1,), passes a root; `most`: as of `find_branch`."""
+        return nearest_passage(self.jacobian, root, rate, most)
 
     def _root(self, z: Vector, order: PivotOrder, weak: int) -> Root | None:
         """A position near z at which `weak` constraints are lost, or None."""

@@ -68,11 +68,12 @@ def entries_linear_in_time(t, q, p, values):
         values[k] = p[k] + t * p[values.size + k]
 
 
-@compiled(none(f8, vector, vector, integers, integers, vector, matrix))
+@allocating(none(f8, vector, vector, integers, integers, vector, matrix))
 def fill_unit_rows(t, p, scale, rows, columns, values, dense):
     """Of the Jacobian that `entries_linear_in_time` gives."""
     entries_linear_in_time(t, scale, p, values)
-    dense_elimination.fill_unit_rows(dense_elimination.Sparse(rows, columns, values), scale, dense)
+    sparse, inverse = dense_elimination.Sparse(rows, columns, values), np.empty(len(dense))
+    dense_elimination.fill_unit_rows(sparse, scale, dense, inverse)
 
 
 @compiled(f8(matrix, integers, vector, i8))

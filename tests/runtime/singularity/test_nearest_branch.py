@@ -43,7 +43,7 @@ def test_the_nearest_branch(slope):
     set_units(table, 1.0, np.zeros(4))
     rate = np.array([1.0, slope, 0.0, 1.0])
     passing, x = np.empty((1, 3)), np.empty(3)
-    find_branch(table, np.zeros(4), rate, LEFT, NULL, passing, x)
+    find_branch(table, np.zeros(4), rate, LEFT, NULL, passing, x, 40)
     form = FORM * [[1, 1, 0], [1, 1, 0], [0, 0, 0]]
     np.testing.assert_allclose(passing[0], form @ NULL.T @ rate, atol=1e-9)
     direction = rate + NULL @ x

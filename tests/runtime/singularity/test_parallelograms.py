@@ -54,7 +54,9 @@ def test_the_level_position_is_found_where_it_is(
     """Every loop loses one constraint there, the motion is on its branch, and nothing is missed."""
     level = 0.0 if angle < 1.0 else np.pi
     ahead = (level - angle) / TURNING
-    found = SingularPositions(scaled).find(taylor(0.0, *parallel(machine, angle)), 1.02 * ahead)
+    found = SingularPositions(scaled).find(
+        taylor(0.0, *parallel(machine, angle)), 1.02 * ahead, branch=True
+    )
     assert found is not None
     np.testing.assert_allclose(found.q, parallel(machine, level)[0], rtol=0.0, atol=1e-12)
     assert found.lost == LOOPS
@@ -70,7 +72,7 @@ def test_the_rate_is_that_of_the_smallest_singular_value(
 ) -> None:
     """Also per second, and between vectors of unit length."""
     at_level = parallel(machine, 0.0)
-    found = SingularPositions(scaled).find(taylor(0.0, *at_level), 0.0)
+    found = SingularPositions(scaled).find(taylor(0.0, *at_level), 0.0, branch=True)
     assert found is not None
     span = 1e-5
     values = []

@@ -12,7 +12,7 @@ from tests.runtime.singularity.test_singular_root_search import on_branch
 def test_a_motion_on_its_branch(speed):
     scaled = mechanism(scale=(1.0, 1.0, 2.0))
     motion = on_branch(-0.01, speed=speed)
-    found = SingularPositions(scaled).find(motion, 0.011 / speed)
+    found = SingularPositions(scaled).find(motion, 0.011 / speed, branch=True)
     assert found is not None
     assert found.t == pytest.approx(2.0 + 0.01 / speed, abs=1e-8)
     np.testing.assert_allclose(found.q, 0.0, atol=1e-10)
@@ -35,7 +35,7 @@ def test_a_motion_on_its_branch(speed):
 def test_a_motion_beside_its_branch_is_told_the_way_to_it():
     motion = on_branch(-1e-6)
     motion.series[1, 1] += 1e-3
-    found = SingularPositions(mechanism()).find(motion, 1e-6)
+    found = SingularPositions(mechanism()).find(motion, 1e-6, branch=True)
     assert found is not None
     v = motion.velocity + found.veer
     assert v[1] / v[0] == pytest.approx(branch_slopes(0.5)[0], abs=1e-5)
