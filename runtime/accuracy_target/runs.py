@@ -149,8 +149,8 @@ def _as_one(paths: Sequence[Trajectory], result: Result, t_eval: Any) -> Traject
     total = {name: sum(one[name] for one in counts) for name in counts[0]}
     total["largest_dq"] = max(one["largest_dq"] for one in counts)
     ended = {"final_q": samples.q[-1], "final_v": samples.v[-1]} if result.ended_by else {}
-    return replace(
-        paths[-1], t=samples.t[rows], q=samples.q[rows], v=samples.v[rows], outcome=result.outcome,
+    return paths[-1]._replace(
+        t=samples.t[rows], q=samples.q[rows], v=samples.v[rows], outcome=result.outcome,
         first_t=first.first_t, statistics=Statistics(**total),
         partitions=Partitions(first.partitions.t, chosen),
         methods=tuple(method for path in paths for method in path.methods),

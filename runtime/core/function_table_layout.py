@@ -7,6 +7,7 @@ also attributes of `context` in compiled code: ``context.modes``.
 """
 
 from collections.abc import Callable
+from functools import cached_property
 from math import prod
 from typing import Any, NamedTuple, cast
 
@@ -120,12 +121,25 @@ class TableLayout:
 
 
 class _Allotted(dict[str, Any]):
-    """Arrays of a table by name."""
+    """Arrays of a table by name: those that it allots, in one block, and some made elsewhere."""
 
     def __init__(
         self, layout: TableLayout, table: Integers, block: Integers, starts: dict[str, int]
     ) -> None:
         self.layout, self.table, self.block, self.starts = layout, table, block, starts
+
+    @cached_property
+    def slots(self) -> Integers:
+        """Of the arrays in the block."""
+        return np.array([self.layout.slots[name] for name in self.starts])
+
+    def copied(self) -> "_Allotted":
+        """The same with a table and a block of its own; arrays made elsewhere are shared."""
+        table, block = self.table.copy(), self.block.copy()
+        table[self.slots] += block.ctypes.data - self.block.ctypes.data
+        other = _Allotted(self.layout, table, block, self.starts)
+        other |= {name: array for name, array in self.items() if name not in self.starts}
+        return other
 
     def __missing__(self, name: str) -> Any:
         array, start = self.layout.arrays[name], self.starts[name]

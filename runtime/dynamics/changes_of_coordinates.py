@@ -112,7 +112,8 @@ class Changes:
         """The first run, in the coordinates that suit the start."""
         begin = self.taken.begin
         self.start = begin.t, begin.q  # where the present leg starts
-        self.free = np.isin(np.arange(len(begin.q)), self.reduced.kept)  # what is independent there
+        self.free = np.zeros(len(begin.q), np.bool_)
+        self.free[self.reduced.kept] = True  # what is independent there
         if self._is_safe(begin.t, begin.q, begin.v, LEAST, 0.0):
             return self._make_less(begin.t, begin.q, begin.v)
         return self._make_whole()
@@ -202,7 +203,7 @@ class Changes:
         """
         if not self.largest.size:
             return True
-        square, rate, size = self.reduced.squares(t, q, v, self.taken.ready.p)
+        square, rate, size = self.taken.squares(t, q, v)
         self.largest = np.fmax(self.largest, size)
         far = (square > least * self.largest) & (2.0 * square > -rate * ahead)
         return bool(far.all())
@@ -213,7 +214,7 @@ class Changes:
         self.made = t, q.copy(), v.copy()
         problem = self.taken.problem(t, q, v)
         stops = self._stops_of_all(problem.stops)
-        problem = replace(problem, t0=self.taken.begin.t, stops=stops)
+        problem = problem._replace(t0=self.taken.begin.t, stops=stops)
         self.less = self._new_run(self.taken.system, problem)
         return self.less
 
@@ -255,7 +256,7 @@ class Changes:
         assert run is not None
         last, rigid = self._finish(run, last), self.taken.system.rigid
         if len(self.legs) == 1:
-            return replace(last, events=in_order(last.events, last.final_t, rigid))
+            return last._replace(events=in_order(last.events, last.final_t, rigid))
         paths = [leg.path for leg in self.legs]
         states = [made.state for made in (self.less, self.whole) if made is not None]
         records = [state.record for state in states]
@@ -270,8 +271,8 @@ class Changes:
         t, q, v, modes = map(np.concatenate, samples)
         logged = zip(*(vars(path.events).values() for path in paths), strict=True)
         events = in_order(Events(*map(np.concatenate, logged)), last.final_t, rigid)
-        return replace(
-            last, first_t=paths[0].first_t, t=t, q=q, v=v, modes=modes, events=events,
+        return last._replace(
+            first_t=paths[0].first_t, t=t, q=q, v=v, modes=modes, events=events,
             statistics=replace(last.statistics, **counts), partitions=partitions,
             decay=decay,
             crossings=tuple(crossing for path in paths for crossing in path.crossings),

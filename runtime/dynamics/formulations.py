@@ -1,6 +1,8 @@
 """Formulations: the coordinates in which a motion is integrated, and the return to all of them."""
 
+from copy import copy
 from dataclasses import replace
+from typing import Self
 
 import numpy as np
 
@@ -41,6 +43,13 @@ class Coordinates:
     def __init__(self, ready: PreparedSimulation) -> None:
         self.ready, self.begin = ready, ready.begin
 
+    def again(self, t_end: float) -> Self:
+        """The same for another run, to an end in s; they share nothing that a run writes."""
+        other = copy(self)
+        other.ready = self.ready.again(t_end)
+        other.equations = Equations(self.equations.mechanism, other.ready.p)
+        return other
+
     def problem(self, t: float, q: FloatArray, v: FloatArray) -> Problem:
         """The problem of a run from a state in all coordinates, (n,) each, to the end."""
         raise NotImplementedError
@@ -59,14 +68,14 @@ class Coordinates:
         begin = self.begin
         problem = self.problem(begin.t, begin.q, begin.v)
         if again:
-            problem = replace(problem, controllers=remembered(problem.controllers))
+            problem = problem._replace(controllers=remembered(problem.controllers))
         else:
             refuse_misfits(problem, options)
         run = Run(self.system, problem, options)
         if kept is not None:
             restore(run, kept.state)
         path = run.execute(progress, change, started=kept is not None)
-        return replace(path, events=in_order(path.events, path.final_t, self.system.rigid))
+        return path._replace(events=in_order(path.events, path.final_t, self.system.rigid))
 
 
 class CartesianCoordinates(Coordinates):
@@ -82,7 +91,7 @@ class CartesianCoordinates(Coordinates):
         if begin.redundant:
             self.correction = projection_only(ready.mechanism, begin, method, correction)
         mechanism = self.equations.mechanism
-        self.system, self.p = mechanism.system, ready.p
+        self.system = mechanism.system
         if method in IMPLICIT:
             self.system = replace(self.system, **mechanism.tangents._asdict())
         self.mobility = _mobility(self.equations.masses(begin.q), ready.sizes, compressed=True)
@@ -91,7 +100,7 @@ class CartesianCoordinates(Coordinates):
         """In the machine's own coordinates."""
         ready, q, v = self.ready, np.ascontiguousarray(q), np.ascontiguousarray(v)
         return Problem(
-            t, ready.t_end, q, v, self.p, self.mobility, ready.sizes, stops=ready.stops,
+            t, ready.t_end, q, v, ready.p, self.mobility, ready.sizes, stops=ready.stops,
             samples_taken=ready.samples_taken, controllers=ready.controllers,
             discrete=ready.discrete,
         )  # fmt: skip
@@ -111,12 +120,26 @@ class ReducedCoordinates(Coordinates):
         begin, self.equations, self.correction = ready.begin, ready.equations, correction
         self.reduced = ready.mechanism.reduced
         self.system, self.spreads = self.reduced.system, _spreads(ready)
-        self.mobility = np.ones(len(begin.q))
-        scale = self.problem(begin.t, begin.q, begin.v).scale
+        self.mobility, state = np.ones(len(begin.q)), (begin.t, begin.q, begin.v)
+        self.first = self._problem(*state)
+        self.squares_at_start = self.reduced.squares(*state, ready.p)
+        scale = self.first.scale
         self.mobility[self.reduced.kept] = np.where(np.isfinite(scale), scale, 1.0)
 
     def problem(self, t: float, q: FloatArray, v: FloatArray) -> Problem:
         """In the kept coordinates, on the branches on which the machine stands at (t, q)."""
+        if q is not self.begin.q or v is not self.begin.v:
+            return self._problem(t, q, v)
+        first, ready = self.first, self.ready
+        return first._replace(t_end=ready.t_end, p=first.p.copy(), stops=ready.stops)
+
+    def squares(self, t: float, q: FloatArray, v: FloatArray) -> tuple[FloatArray, ...]:
+        """Of the machine, see `Reduced.squares`."""
+        if q is self.begin.q and v is self.begin.v:
+            return self.squares_at_start
+        return self.reduced.squares(t, q, v, self.ready.p)
+
+    def _problem(self, t: float, q: FloatArray, v: FloatArray) -> Problem:
         reduced, ready = self.reduced, self.ready
         kept, p = reduced.kept, reduced.parameters(ready.p, t, q)
         sizes = ready.sizes[kept]
@@ -164,8 +187,8 @@ class ReducedCoordinates(Coordinates):
             direction[reduced.kept] = crossing.direction
             rows = tuple(map(reduced.row, crossing.rows))
             crossings.append(replace(crossing, rows=rows, direction=direction))
-        return replace(
-            run, q=all_q[:count], v=all_v[:count], final_q=all_q[-1], final_v=all_v[-1],
+        return run._replace(
+            q=all_q[:count], v=all_v[:count], final_q=all_q[-1], final_v=all_v[-1],
             events=replace(events, q=all_q[count:-1], v=all_v[count:-1]),
             partitions=replace(run.partitions, independent=free),
             index=run.index if switched else reduced.row(run.index), crossings=tuple(crossings),

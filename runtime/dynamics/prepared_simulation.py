@@ -8,7 +8,6 @@ does not begin to hold again. What the two runs do not have in common begins ane
 from collections.abc import Sequence
 from contextlib import suppress
 from copy import copy
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -196,9 +195,15 @@ class PreparedSimulation:
             )
             other.controllers = self.controllers
             return other
+        other = self.again(t_end)
+        other.passages = passages_of(other.equations, self.begin.t, t_end, self.sizes)
+        return other
+
+    def again(self, t_end: float) -> "PreparedSimulation":
+        """The same start to another end, s, with parameters of its own: runs write some of them."""
         other = copy(self)
-        other.t_end = t_end
-        other.passages = passages_of(self.equations, self.begin.t, t_end, self.sizes)
+        other.t_end, other.p = float(t_end), self.p.copy()
+        other.equations = Equations(self.mechanism, other.p)
         return other
 
     @property
@@ -228,4 +233,4 @@ class PreparedSimulation:
         path = taken.run(
             options, made, progress=lambda t, steps: progress((t - first) / span), again=False
         )
-        return replace(path, checkpoints=made)
+        return path._replace(checkpoints=made)

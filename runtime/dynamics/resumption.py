@@ -149,7 +149,7 @@ def _resume_part(
     told, ended = first, [event for event in result.events if event.time == first]
     if ended:
         told += APART * max(map(abs, (*motion.span, t_end)))
-    path = replace(_behind(run, kept, first, told, times, works), checkpoints=made)
+    path = _behind(run, kept, first, told, times, works)._replace(checkpoints=made)
     plain = replace(options, t_eval=times, quadrature=False)
     found = run_prepared(coordinates, plain, began, silent, path, works=False)
     if done is not None:
@@ -235,8 +235,8 @@ def _behind(
     rows = rows[ends >= first if times is None else np.isin(ends, times)]
     log, sets = run.events, run.partitions
     later, since = log.t > told, max(int(np.searchsorted(sets.t, first, side="right")) - 1, 0)
-    return replace(
-        run, t=run.t[rows], q=run.q[rows], v=run.v[rows], modes=run.modes[rows], first_t=first,
+    return run._replace(
+        t=run.t[rows], q=run.q[rows], v=run.v[rows], modes=run.modes[rows], first_t=first,
         events=Events(*(column[later] for column in vars(log).values())),
         partitions=Partitions(np.maximum(sets.t[since:], first), sets.independent[since:]),
         crossings=tuple(crossing for crossing in run.crossings if crossing.t > first),

@@ -26,6 +26,7 @@ With an accuracy target, runtime.accuracy_target makes several such runs.
 
 import time as clock
 from dataclasses import replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -65,6 +66,7 @@ _STATS = {
     "seconds": "integration_seconds",
 }  # fmt: skip
 """Statistics of a run that have other names in a result."""
+_KEPT = 16  # safety: starts that a machine keeps
 _NAMES = 6  # layout: constraints by name in the sentence about a crossing
 # Ends of a run that tries to go where a table has no number.
 _LEAVING = {
@@ -107,14 +109,26 @@ def prepare_run(
 ) -> tuple[Coordinates, Options]:  # fmt: skip
     """The coordinates and the options of a run from an assembled start; see `Machine.simulate`.
 
-    `settings` are words of `PreparedSimulation`, and fields of `Options`.
+    `settings` are words of `PreparedSimulation`, and fields of `Options`. A start that was given
+    before is not assembled again.
     """
     words = {name: settings.pop(name) for name in _STARTS if name in settings}
-    ready = PreparedSimulation(mechanism, t_end, **words)
-    coordinates = formulate(ready, formulation, method, correction)
+    # What numbers alone give is kept by its text: 0.0 == -0.0, and messages have an order of names.
+    key, kept = repr((words, formulation, method, correction)), mechanism.starts
+    given = [word.values() if isinstance(word, dict) else (word,) for word in words.values()]
+    plain = {*map(type, chain(*given))} <= {float, type(None)}
+    found: Coordinates | None = kept.get(key) if plain else None
+    if found is None:
+        ready = PreparedSimulation(mechanism, t_end, **words)
+        found = formulate(ready, formulation, method, correction)
+        if plain and ready.passages is None:  # these depend on the end
+            if len(kept) >= _KEPT:
+                kept.clear()
+            kept[key] = found
+    coordinates = found.again(t_end) if found.ready.passages is None else found
     # An unknown method is refused by the integrator, together with all else that is wrong.
     fields = {"atol_q": atol, "atol_v": atol, "h_max": max_step} | settings
-    correction, times = coordinates.correction, ready.instants(t_eval)
+    correction, times = coordinates.correction, coordinates.ready.instants(t_eval)
     options = Options(method=method, correction=correction, t_eval=times, **fields)
     return coordinates, options
 
@@ -134,7 +148,8 @@ def run_prepared(
     ready, begin, equations = coordinates.ready, coordinates.begin, coordinates.equations
     works = works and bool(equations.description.work_rows)
     if works or run is None:
-        run = ready.run(coordinates, replace(options, quadrature=works), progress)
+        chosen = replace(options, quadrature=True) if works else options
+        run = ready.run(coordinates, chosen, progress)
     run = end_at_kink(equations, begin, run, ready.t_end - begin.t)
     run = end_at_jam(equations, run, ready.t_end - begin.t)
     result = _result(equations, run, ready, began, samples)
@@ -203,7 +218,7 @@ def _result(
     titles += [function.title for function in description.time_functions]
     parts = description.table_parts
     knots = {k for k, part in enumerate(parts) if part == KNOTS}  # of which steps alone take notice
-    words = event_words(description, log.index, log.direction, run.modes[:1])
+    words = event_words(description, log.index, log.direction, run.modes[:1]) if len(log.t) else []
     events = [
         Event(titles[int(index)], float(time), int(direction), at_q, at_v, word)
         for time, index, direction, at_q, at_v, word in zip(

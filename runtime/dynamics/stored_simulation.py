@@ -108,7 +108,7 @@ def simulate_into(
             writer.take(np.array([run.final_t]), y, run.final_modes[None])
         writer.finish()
         samples = store.mapped()
-        run = replace(run, t=samples.t, q=samples.q, v=samples.v, modes=samples.modes)
+        run = run._replace(t=samples.t, q=samples.q, v=samples.v, modes=samples.modes)
         result = run_prepared(
             coordinates, options, began, progress, run, works=False, samples=samples
         )

@@ -1,7 +1,8 @@
 """An integration: its problem and options, what is refused of them, and its trajectory."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal, NamedTuple, get_args
 
 import numpy as np
@@ -73,8 +74,7 @@ class Stops(NamedTuple):
     further: Callable[[], "Stops | None"] | None = None
 
 
-@dataclass(frozen=True)
-class Problem:
+class Problem(NamedTuple):
     """An initial-value problem."""
 
     t0: float  # start, s
@@ -91,7 +91,7 @@ class Problem:
     stops: Stops | None = None  # None: the run ends its steps where it likes
     samples_taken: bool = False  # whether clocks have renewed what is due at t0
     # number of a sampled value → what computes its samples
-    controllers: Mapping[int, Controller] = field(default_factory=dict)
+    controllers: Mapping[int, Controller] = MappingProxyType({})
     discrete: Discrete | None = None  # None: clocks begin, and no condition has held
 
 
@@ -198,8 +198,7 @@ class Crossing:
     error: float  # estimate for the step across it, over the tolerance
 
 
-@dataclass(frozen=True)
-class Trajectory:
+class Trajectory(NamedTuple):
     """The result of a run, also where it did not reach its end."""
 
     t: Vector  # (k,): times of the samples, s
@@ -209,7 +208,8 @@ class Trajectory:
     outcome: Outcome
     discrete: Discrete | None  # of clocks and watched conditions, at the end
     stopped_by: int  # the condition that has ended the run; -1: none
-    index: int  # the switching function or constraint that the outcome concerns; -1: none
+    # the switching function or constraint that the outcome concerns; -1: none
+    index: int  # type: ignore[assignment]
     first_t: float  # where the run began
     final_t: float  # where the run stopped, ready to go on from
     final_q: Vector

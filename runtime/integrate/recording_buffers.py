@@ -180,7 +180,7 @@ def in_order(events: Events, now: float, rigid: Sequence[int]) -> Events:
     that instant. All other events stay in the order of the log, which a check judges.
     """
     t = events.t
-    if not ((np.diff(t) < 0.0).any() or (t[-1:] > now).any()):
+    if not len(t) or not ((np.diff(t) < 0.0).any() or (t[-1:] > now).any()):
         return events
     limit: dict[int, float] = {}
     bounced = (events.direction == Direction.HOLDS) & np.isin(events.index, rigid)

@@ -52,6 +52,7 @@ _STUCK = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
 _AT_ONE_SITE = {
     *(Outcome.OK, Outcome.MAX_STEPS, Outcome.MEMORY, Outcome.INTERRUPTED, Outcome.OUT_OF_RANGE),
 }
+_COUNTED = list(COUNTS)  # one look at all of them
 _CLOSE = 1e-6  # safety: of the run; nearer to a pole or a lock-up, that is why it ends
 
 
@@ -82,7 +83,7 @@ class Run:
         self.first_t = float(problem.t0)
         self.controllers = problem.controllers
         self.note = ""  # on the outcome
-        self.fresh = self.state.record.copy()
+        self.fresh = self.state.words.copy()
         self.most = _LONGEST_CHUNK  # steps until `Change` is called again
 
     def take_over(self, other: "Run", q: Vector, v: Vector) -> int:
@@ -130,6 +131,8 @@ class Run:
         """The contacts that were struck in the very first instant are events as well."""
         record = self.state.record
         struck = np.flatnonzero(self.state.switch_rows[STRUCK])
+        if not len(struck):
+            return
         closed = self.state.modes[struck] == SLIDING
         kinds = np.where(closed, Direction.HOLDS, Direction.IMPACT).tolist()
         self.recording.add_events(record["t"], struck, kinds, self.state.y.ravel())
@@ -253,7 +256,7 @@ class Run:
             site=Site.NOWHERE if outcome in _AT_ONE_SITE else Site(int(r["site"])),
             final_t=stopped, final_q=state.y[0].copy(), final_v=state.y[1].copy(),
             final_modes=state.modes,
-            statistics=Statistics(**{name: r[name].item() for name in COUNTS}, seconds=seconds),
+            statistics=Statistics(*(*r[_COUNTED].item(), seconds)),
             events=self.recording.events(), partitions=self.recording.partitions(),
             methods=tuple((t, LEADING if name == "auto" else name) for t, name in state.methods),
             decay=state.mean_decay, crossings=tuple(self.crossings.passed),

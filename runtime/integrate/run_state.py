@@ -55,6 +55,7 @@ class RunState:
         self.wiring = wire(system, options.method, self.p, 4 * LOG_MARGIN)
         self.table, arrays = self.wiring
         self.record: np.void = arrays["record"][0]  # see `core.loop_record`
+        self.words: Integers = arrays["record"].view(np.int64)  # the same, which is soon copied
         # (ROWS, 2, n) and (SWITCH_ROWS, s), see `core.workspace_rows`
         self.rows: NDArray[np.float64] = arrays["workspace"].reshape(ws.ROWS, 2, system.coordinates)
         self.switch_rows: Matrix = arrays["switching_rows"].reshape(ws.SWITCH_ROWS, system.switches)
@@ -183,24 +184,24 @@ class RunState:
         r["next_stop"] += 1
         r["stop"] = times[r["next_stop"]] if r["next_stop"] < len(times) else np.inf
 
-    def take_over(self, other: "RunState", fresh: np.void, q: Vector, v: Vector) -> None:
+    def take_over(self, other: "RunState", fresh: Integers, q: Vector, v: Vector) -> None:
         """Go on from where a run of the same machine in other coordinates stands.
 
-        `fresh` is the record of this run before its start, (q, v), (n,), the state in its
+        `fresh` are the words of this run's record before its start, (q, v), (n,), the state in its
         coordinates.
         """
         r, theirs, arrays = self.record, other.record, self.wiring.arrays
         if other.stops is not self.stops:
             self.set_stops(other.stops)
         counted = {name: r[name] for name in (*COUNTS, *_OF_ENERGY)}
-        arrays["record"][0] = fresh
+        self.words[:] = fresh
         for name, count in counted.items():
             r[name] = count
         for name in _OF_EVENTS:
             r[name] = theirs[name]
         r["h"], r["resumed"] = theirs["usual"] if theirs["usual"] > 0.0 else theirs["h"], 1
-        r["max_steps"] = fresh["max_steps"] - theirs["steps"] - theirs["rejected"]
-        r["max_events"] = fresh["max_events"] - theirs["events"]
+        r["max_steps"] -= theirs["steps"] + theirs["rejected"]
+        r["max_events"] -= theirs["events"]
         r["look_at"] = -np.inf
         self.y[0], self.y[1] = q, v
         if self.system.switches:

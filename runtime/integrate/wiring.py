@@ -1,8 +1,8 @@
 """The table of addresses for one run, and the arrays that it points to."""
 
 from collections.abc import Sequence
-from functools import cache
-from typing import Any, NamedTuple, cast
+from functools import cache, lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,6 +32,7 @@ from runtime.linalg.least_norm import SPARSE_FROM
 from runtime.linalg.symbolic_elimination import plan_capacity
 from runtime.singularity.prediction import predict_vanishing_pivot
 
+_KEPT = 8  # safety: tables that are kept, to be copied
 METHOD_SLOTS = slice(ft.TABLE.slots["stages"], ft.TABLE.slots["correct"])
 """Slots of the method's functions."""
 
@@ -48,12 +49,12 @@ class Wiring(NamedTuple):
     """A function table, and the arrays by name that must live as long as it."""
 
     table: Integers
-    arrays: dict[str, Any]
+    arrays: Any
 
     @property
     def block(self) -> Integers:
         """The memory of all arrays that the table allots."""
-        return cast(Any, self.arrays).block  # type: ignore[no-any-return]
+        return self.arrays.block  # type: ignore[no-any-return]
 
 
 def _parts() -> dict[str, Any]:
@@ -162,7 +163,17 @@ _kernels = cache(System.table)  # addresses of a machine's kernels, in the order
 
 
 def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
-    """Lay out the table of a run, with room for `log_rows` changes of the partition."""
+    """The table of a run, with room for `log_rows` changes of the partition."""
+    arrays = _lay_out(system, name, p.tobytes(), log_rows).copied()
+    place(arrays.table, arrays, "parameters", p)
+    place(arrays.table, arrays, "record", np.zeros(RUN.itemsize // 8, np.int64).view(RUN))
+    return Wiring(arrays.table, arrays)
+
+
+@lru_cache(_KEPT)
+def _lay_out(system: System, name: str, parameters: bytes, log_rows: int) -> Any:
+    """The arrays of runs with these parameters before their start, which each of them copies."""
+    p = np.array(memoryview(parameters).cast("d"))
     n, m, s = system.coordinates, system.constraint_count, system.switches
     nonzeros, sparse = len(system.jacobian_rows), n >= SPARSE_FROM and m > 0
     table = np.zeros(ft.TABLE.size, np.int64)
@@ -210,11 +221,8 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         numbers |= {ft.QUEUE: queue_length(clocks), slots["renew"]: renew, slots["watch"]: watch}
     table[list(numbers)] = list(numbers.values())
     arrays = ft.TABLE.allot(table)
-    place(table, arrays, "parameters", p)
     for indices in ("jacobian_rows", "jacobian_columns"):
         place(table, arrays, indices, np.ascontiguousarray(getattr(system, indices), np.int64))
-    arrays["record"] = np.zeros(1, RUN)
-    table[ft.RECORD] = arrays["record"].ctypes.data
     arrays["row_order"][:], arrays["column_order"][:] = np.arange(m), np.arange(n)
     arrays["recent_events"][:] = -np.inf
     for k, (kind, exponent) in enumerate(system.peaks):
@@ -226,7 +234,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         arrays["sample_triggers"][:] = system.triggers
     arrays["state_columns"][:], arrays["ends_run"][:] = system.states, system.watches
     arrays["state_direction"][:] = 1.0
-    return Wiring(table, arrays)
+    return arrays
 
 
 def place(table: Integers, arrays: dict[str, Any], name: str, array: Any) -> None:

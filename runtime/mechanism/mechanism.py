@@ -88,6 +88,11 @@ class Mechanism:
         return {self.description.scene: self}
 
     @cached_property
+    def starts(self) -> dict[str, Any]:
+        """What was given for a run, as a text → the coordinates of its start, kept to be copied."""
+        return {}
+
+    @cached_property
     def kernel_table(self) -> npt.NDArray[np.int64]:
         """Addresses of the kernels, for compiled loops of the runtime."""
         return self.kernels.table()

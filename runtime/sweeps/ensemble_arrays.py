@@ -1,7 +1,7 @@
 """The arrays of the compiled loop over the members of an ensemble, and how they are made."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -161,7 +161,7 @@ class Preparation(NamedTuple):
         allow(start, self.start)
         let_lead(start)
         problem = self.coordinates.problem(begin.t, begin.q, begin.v)
-        run = Run(self.coordinates.system, replace(problem, p=problem.p.copy()), self.options)
+        run = Run(self.coordinates.system, problem._replace(p=problem.p.copy()), self.options)
         run.recording.make_room_for_events(e)
         table, block = run.state.wiring.table, run.state.wiring.block
         record = run.state.wiring.arrays["record"].view(np.int64)

@@ -181,7 +181,7 @@ def test_what_is_not_suspected_is_not_contradicted(
         else:
             t = run.events.t.copy()
             t[at % len(t)] += size * rng.choice([-1.0, 1.0])
-            trajectory = replace(run, events=replace(run.events, t=t))
+            trajectory = run._replace(events=replace(run.events, t=t))
         screened = screen_run(equations, samples, sizes, options, trajectory)
         verdicts.append(contradiction(samples, trajectory, screened))
         assert verdicts[-1] == contradiction(samples, trajectory, Suspicions(True, True, True))

@@ -16,6 +16,7 @@ SPARSE, DENSE = 0, 10**9
 def set_threshold(monkeypatch: pytest.MonkeyPatch, threshold: int) -> None:
     for module in (wiring, dense_equations, scaled_constraints):
         monkeypatch.setattr(module, "SPARSE_FROM", threshold)
+    wiring._lay_out.cache_clear()
 
 
 def numbers_held(machine: Machine) -> int:
@@ -35,6 +36,7 @@ def test_sparse_and_dense_runs_agree(
     found = []
     for threshold in (DENSE, SPARSE):
         set_threshold(monkeypatch, threshold)
+        machine.mechanism.starts.clear()
         found.append(machine.simulate(t_end, rtol=1e-9))
     dense, sparse = found
     assert sparse.q(name) == pytest.approx(dense.q(name), abs=1e-6)

@@ -5,8 +5,6 @@ it is and the joints are no longer independent, so that all forces grow without 
 that which friction may exert.
 """
 
-from dataclasses import replace
-
 import numpy as np
 import numpy.typing as npt
 
@@ -74,7 +72,7 @@ def end_at_jam(equations: Equations, run: Trajectory, duration: float) -> Trajec
     locked = locked or _describe_lock_up(equations, run, proven=True)
     if locked:
         ended = Outcome.LOCKED if description.drivers else Outcome.SINGULAR
-        return replace(run, outcome=ended, site=Site.JAM, index=-1, note=locked)
+        return run._replace(outcome=ended, site=Site.JAM, index=-1, note=locked)
     if not grows:
         return run
     a, _, _ = equations.motion(t, q, v, run.final_modes)
@@ -86,13 +84,13 @@ def end_at_jam(equations: Equations, run: Trajectory, duration: float) -> Trajec
         if weak > 0 and not np.isfinite(ahead).all():
             resting, _, _ = equations.motion(there[0], there[1], np.zeros_like(v), run.final_modes)
             if np.isfinite(resting).all():
-                return replace(run, outcome=Outcome.NOT_FINITE, site=Site.JAM, index=weak - 1)
+                return run._replace(outcome=Outcome.NOT_FINITE, site=Site.JAM, index=weak - 1)
             break
     sentences = (_describe_switched(equations, there, run.final_modes) for there in later)
     jammed = next(filter(None, sentences), "")
     if not jammed:
         return run
-    return replace(run, outcome=Outcome.NOT_FINITE, site=Site.JAM, index=-1, note=jammed)
+    return run._replace(outcome=Outcome.NOT_FINITE, site=Site.JAM, index=-1, note=jammed)
 
 
 def _describe_lock_up(equations: Equations, run: Trajectory, *, proven: bool) -> str:

@@ -5,7 +5,6 @@ or a slope grows without bound. On the way in a run meets steps that fail in man
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -61,7 +60,7 @@ def end_at_kink(
         return run
     elements = [row.element for row in equations.description.constraints]
     outcome, note = _end(equations, cause, run.final_t)
-    return replace(run, outcome=outcome, site=Site.KINK, index=elements.index(cause[0]), note=note)
+    return run._replace(outcome=outcome, site=Site.KINK, index=elements.index(cause[0]), note=note)
 
 
 def _cause(

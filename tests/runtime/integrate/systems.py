@@ -1,7 +1,5 @@
 """Small systems with kernels written by hand, for the integrator's tests."""
 
-from dataclasses import replace
-
 import numpy as np
 from numba import njit
 
@@ -21,7 +19,7 @@ def integrate(system, problem, options, progress=None, change=None):
     """A run whose problem and options fit, its events in order."""
     refuse_misfits(problem, options)
     path = Run(system, problem, options).execute(progress, change)
-    return replace(path, events=in_order(path.events, path.final_t, system.rigid))
+    return path._replace(events=in_order(path.events, path.final_t, system.rigid))
 
 
 def kernel(signature):

@@ -109,7 +109,7 @@ def test_turns_that_crowd_before_a_known_kink_are_followed_to_it():
     """A kink ends the crowding, as where a cord that is pulled in is held at last."""
     kink = 1.0 - 2e-5
     stops = Stops(np.array([0.5, kink]), np.array([-1, 0]), np.array([0.5, kink]), passed)
-    begun = replace(problem(1.0, 1.0, 1.0), stops=stops)
+    begun = problem(1.0, 1.0, 1.0)._replace(stops=stops)
     r = integrate(CROWDED, begun, Options(method="dopri5", t_eval=[0.0, 1.0], max_steps=4_000_000))
     assert r.outcome == Outcome.DISCONTINUOUS
     assert r.final_t == kink

@@ -1,7 +1,5 @@
 """Every refusal of a problem or an option says what does not fit."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -32,7 +30,7 @@ def test_what_is_right_passes():
     ],
 )
 def test_misfits(options, message):
-    problem = replace(PROBLEM, t_end=options.pop("t_end", PROBLEM.t_end))
+    problem = PROBLEM._replace(t_end=options.pop("t_end", PROBLEM.t_end))
     with pytest.raises(InputError, match=message):
         refuse_misfits(problem, Options(**options))
 
