@@ -62,21 +62,23 @@ def shows_compilation(function: Callable[Arguments, Answer]) -> Callable[Argumen
 
     @wraps(function)
     def shown(*arguments: Arguments.args, **words: Arguments.kwargs) -> Answer:
-        with compilation_shown(words.get("progress") is not False):
+        if words.get("progress") is False:
+            return function(*arguments, **words)
+        with compilation_shown():
             return function(*arguments, **words)
 
     return shown
 
 
 @contextmanager
-def compilation_shown(wanted: bool = True) -> Iterator[None]:
+def compilation_shown() -> Iterator[None]:
     """Show what numba compiles in the block, once that has taken a second.
 
     The runtime is compiled once after an installation, which takes 10 s to a minute.
     """
     terminal, notebook = sys.stderr.isatty(), "ipykernel" in type(sys.stderr).__module__
     in_main = threading.current_thread() is threading.main_thread()
-    if not (wanted and in_main and (terminal or notebook)) or _Compilation.current is not None:
+    if not (in_main and (terminal or notebook)) or _Compilation.current is not None:
         yield
         return
     from codegen.machine_code.compiled_functions import watched_compilation

@@ -154,8 +154,10 @@ def evaluate(
         bands = _find_bands(equations, samples)
         _find_modes(kernels, samples, p, bands, np.zeros((2, s)), description.boundaries)
     plain = np.where(samples.modes == SLIDING, 0, samples.modes)
-    plain[:, [contact.switch for contact in description.rigid]] = 1
-    plain[:, [k for k, row in enumerate(description.switches) if row.one_way]] = 1
+    closed = [contact.switch for contact in description.rigid]
+    closed += [k for k, row in enumerate(description.switches) if row.one_way]
+    if closed:
+        plain[:, closed] = 1
     rows, columns = description.jacobian_rows, description.jacobian_columns
     evaluate_samples(
         kernels, samples, p, plain, rows.astype(np.int64), columns.astype(np.int64),
@@ -173,8 +175,9 @@ def leave_out_unknown(description: Description, samples: Samples) -> None:
         every = np.arange(len(description.constraints))
         samples.lam[..., np.setdiff1d(every, description.recovered)] = np.nan
     if description.has_masses:
-        unknown = [k for k, name in enumerate(ENERGIES) if name not in description.kernels]
-        samples.energy[..., unknown] = np.nan
+        for k, name in enumerate(ENERGIES):
+            if name not in description.kernels:
+                samples.energy[..., k] = np.nan
     for values in (samples.reaction, samples.power):
         np.add(values, 0.0, out=values)
 

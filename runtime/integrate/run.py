@@ -52,7 +52,6 @@ _STUCK = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
 _AT_ONE_SITE = {
     *(Outcome.OK, Outcome.MAX_STEPS, Outcome.MEMORY, Outcome.INTERRUPTED, Outcome.OUT_OF_RANGE),
 }
-_COUNTED = list(COUNTS)  # one look at all of them
 _CLOSE = 1e-6  # safety: of the run; nearer to a pole or a lock-up, that is why it ends
 
 
@@ -256,7 +255,7 @@ class Run:
             site=Site.NOWHERE if outcome in _AT_ONE_SITE else Site(int(r["site"])),
             final_t=stopped, final_q=state.y[0].copy(), final_v=state.y[1].copy(),
             final_modes=state.modes,
-            statistics=Statistics(*(*r[_COUNTED].item(), seconds)),
+            statistics=Statistics(*(*r[COUNTS].item(), seconds)),
             events=self.recording.events(), partitions=self.recording.partitions(),
             methods=tuple((t, LEADING if name == "auto" else name) for t, name in state.methods),
             decay=state.mean_decay, crossings=tuple(self.crossings.passed),

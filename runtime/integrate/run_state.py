@@ -34,7 +34,7 @@ _OF_EVENTS = (
     "t", "usual", "samples", "next_sample", "event_span", "flight", "shrinking", "standing",
     "patience", "stop", "next_stop", "sample_at",
 )  # fmt: skip
-COUNTS = tuple(name for name in Statistics.__dataclass_fields__ if name != "seconds")
+COUNTS = [name for name in Statistics.__dataclass_fields__ if name != "seconds"]
 """What the record of a run counts."""
 _CORRECTING = {
     "step": ConstraintReturn.BY_PARTITION,
@@ -98,13 +98,10 @@ class RunState:
 
     def _place_start(self, problem: Problem) -> None:
         n, options = self.system.coordinates, self.options
-        given = np.full((2, n), np.nan)
-        for row, tolerance in zip(given, (options.atol_q, options.atol_v), strict=True):
-            if tolerance is not None:
-                row[:] = tolerance
-        sizes = np.broadcast_to(np.asarray(problem.sizes, np.float64), (n,))
+        given = problem.sizes, options.atol_q, options.atol_v
+        sizes, *atol = (np.full(n, np.nan if x is None else x, np.float64) for x in given)
         q, v, scale = (np.array(x, np.float64) for x in (problem.q, problem.v, problem.scale))
-        place_start(self.table, q, v, sizes.copy(), scale, given.ravel())
+        place_start(self.table, q, v, sizes, scale, np.concatenate(atol))
 
     def _fill_record(self, problem: Problem) -> None:
         r, options = self.record, self.options

@@ -69,22 +69,18 @@ def plain(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _widths(description: Description) -> tuple[int, ...]:
-    """Numbers of each array of `Samples` at one instant, but for the time."""
-    n, s, rows = len(description.coordinates), len(description.switches), description.reactions
-    return n, n, n, len(description.constraints), len(rows), len(description.powers), 2, 2, s, s
-
-
 def empty_samples(description: Description, count: int) -> Samples:
     """Samples of a scene at so many instants, all zero."""
-    kinds = [np.int64 if name == "modes" else np.float64 for name in Samples._fields[1:]]
-    arrays = map(np.zeros, [(count, width) for width in _widths(description)], kinds)
-    return Samples._make([np.zeros(count), *arrays])
+    n, s, rows = len(description.coordinates), len(description.switches), description.reactions
+    widths = n, n, n, len(description.constraints), len(rows), len(description.powers), 2, 2
+    floats = [np.zeros((count, width)) for width in widths]
+    modes, share = np.zeros((count, s), np.int64), np.zeros((count, s))
+    return Samples._make([np.zeros(count), *floats, modes, share])
 
 
 def sample_bytes(description: Description) -> int:
     """Bytes of all quantities of a result at one instant."""
-    return _NUMBER * (1 + sum(_widths(description)))
+    return sum(array.nbytes for array in empty_samples(description, 1))
 
 
 def state_bytes(description: Description) -> int:

@@ -132,8 +132,9 @@ def check(
         "it must be an instant in s, or a state: what assemble() returns, a result or its "
         "state(t).",
     ))  # fmt: skip
-    kinds = {**KINDS, **_state_readers(mechanism), "at": at}
-    kinds["start"] = optional(_values if start_has_values else start)
+    kinds = {**KINDS, "start": optional(_values if start_has_values else start)}
+    if not given.keys().isdisjoint(("at", "q", "v")):
+        kinds |= {**_state_readers(mechanism), "at": at}
     known = {name: value for name, value in given.items() if name in kinds}
     values = readers.read_arguments(mechanism.title, kinds, known)
     problems = _contradictions(values) if values.get("start") is not None else []

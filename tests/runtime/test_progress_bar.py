@@ -143,8 +143,7 @@ def test_compilation_is_told_to_nobody_who_does_not_look(
 ) -> None:  # fmt: skip
     shown = look(stream)
     monkeypatch.setattr(progress, "PATIENCE", patience)
-    with progress.compilation_shown(wanted):
-        compile_one(runtime_at, "loop")
+    progress.shows_compilation(lambda progress: compile_one(runtime_at, "loop"))(progress=wanted)
     assert shown.getvalue() == ""
 
 
