@@ -65,6 +65,11 @@ SETTINGS: dict[str, tuple[dict[str, Any], ...]] = {
         {"t_end": 1.0, "rtol": 1e-5},
         {"t_end": 0.5, "method": "dopri5", "t_eval": "steps"},
     ),
+    "hard/bouncing_ball/dropped": (
+        {"t_end": 1.5},
+        {"t_end": 1.5, "parameters": {"restitution": 0.7}},
+        {"t_end": 1.5, "parameters": {"restitution": 0.2}, "method": "tsit5"},
+    ),
     "robot_arm/sampled": ({"t_end": 0.5}, {"t_end": 0.3, "method": "dopri5"}, {"t_start": 0.004}),
     "quarter_car/bump": ({"t_end": 0.5}, {"t_end": 0.8}, {"t_end": 0.5, "t_start": 0.1}),
     "trebuchet/throw": ({"t_end": 1.5}, {"t_end": 2.0, "rtol": 1e-6}),
@@ -103,8 +108,10 @@ def test_a_result_is_its_own_whatever_runs_follow(library: Callable[..., Machine
 
 def test_what_is_kept_is_as_it_was_made(library: Callable[..., Machine]) -> None:
     machine = fresh(library("hard/guide_friction", "rocking"))
-    machine.simulate(1.0, 7)
-    (kept,) = machine.mechanism.starts.values()
+    run = machine.simulate(1.0, 7)
+    (kept,), given = machine.mechanism.starts.values(), machine.parameter_values()
+    assert (run._motion.coordinates.ready.p != given).any()  # type: ignore[union-attr]
+    assert (kept.ready.p == given).all()
     arrays = [kept.ready.p, kept.begin.q, kept.begin.v, kept.ready.sizes, kept.mobility]
     before = [array.tobytes() for array in arrays]
     table = wiring.wire(kept.system, "dop853", kept.ready.p, 8)
@@ -114,6 +121,23 @@ def test_what_is_kept_is_as_it_was_made(library: Callable[..., Machine]) -> None
     wiring.wire(kept.system, "dop853", kept.ready.p, 8).block[:] = 7
     assert [array.tobytes() for array in arrays] == before
     assert wiring.wire(kept.system, "dop853", kept.ready.p, 8).block.tobytes() == block.tobytes()
+
+
+@pytest.mark.parametrize("formulation", ["cartesian", "reduced"])
+def test_runs_share_no_parameters(formulation: str, library: Callable[..., Machine]) -> None:
+    machine = fresh(library("slider_crank", "compressor"))
+    machine.simulate(0.01, 3, formulation=formulation)
+    (kept,) = machine.mechanism.starts.values()
+
+    def parameters(run: Any) -> list[np.ndarray]:
+        first = [run.first.p] if run is kept and formulation == "reduced" else []
+        problem = run.problem(run.begin.t, run.begin.q, run.begin.v)
+        return [run.ready.p, run.ready.equations.p, run.equations.p, problem.p, *first]
+
+    one, other = kept.again(1.0), kept.again(2.0)
+    for left, right in ((one, other), (one, kept), (other, kept)):
+        for p in parameters(left):
+            assert not any(np.shares_memory(p, theirs) for theirs in parameters(right))
 
 
 @pytest.fixture
