@@ -172,9 +172,9 @@ def _apart(equations: Equations, branch: Branch, choices: list[Branch]) -> str:
 
 def _named(equations: Equations, x: FloatArray) -> dict[str, float]:
     coordinates, sizes = equations.description.coordinates, np.abs(x)
-    shares = x / x[sizes.argmax()]
+    shares = (x / x[sizes.argmax()]).tolist()
     places = np.flatnonzero(sizes > 1e-9 * sizes.max()).tolist()
-    return {coordinates[k].name: float(shares[k]) for k in places}
+    return {coordinates[k].name: shares[k] for k in places}
 
 
 def _of_all(at: RankDeficiency) -> tuple[int, FloatArray]:

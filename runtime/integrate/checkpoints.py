@@ -56,12 +56,12 @@ class Snapshot(NamedTuple):
 
 def snapshot(run: Run) -> Snapshot:
     """The state of a run that stands between two steps, away from singular positions."""
-    state, crossings = run.state, run.crossings
+    state, crossings, positions = run.state, run.crossings, run.crossings.positions
     found = crossings.note, crossings.tries, crossings.began
     return Snapshot(
         state.wiring.arrays["record"].copy(), state.wiring.block.copy(), state.table[_NUMBERS],
         state.p.copy(), tuple(state.methods),
-        (*found, tuple(crossings.passed), crossings.positions.orders.known),
+        (*found, tuple(crossings.passed), positions.orders.known, positions.passed),
     )  # fmt: skip
 
 
@@ -81,9 +81,9 @@ def restore(run: Run, kept: Snapshot) -> None:
     for name, number in own.items():
         r[name] = number
     state.find_stop(float(r["t"]))
-    crossings.note, crossings.tries, crossings.began, passed, known = kept.crossings
+    crossings.note, crossings.tries, crossings.began, passed, known, points = kept.crossings
     crossings.passed = list(passed)
-    crossings.positions.orders.known = known
+    crossings.positions.orders.known, crossings.positions.passed = known, points
 
 
 class Checkpoint(NamedTuple):

@@ -137,8 +137,7 @@ def factor_fully(dense: Matrix, row_order: Integers, column_order: Integers, lea
     m, n = dense.shape
     for j in range(n):
         column_order[j] = j
-    # Until the end a row's place holds its number and, in its upper half, the column of its largest
-    # entry.
+    # Until the end a row's place holds its number and, above it, the column of its largest entry.
     for i in range(m):
         row_order[i] = i | largest_column(dense, i, 0) << _HALF
     rank = min(m, n)
@@ -192,10 +191,7 @@ def fill_dense(sparse: Sparse, scale: Vector, dense: Matrix) -> None:
 
 @inner
 def fill_unit_rows(sparse: Sparse, scale: Vector, dense: Matrix, inverse: Vector) -> None:
-    """Write Φ_q as a dense matrix (m, n), its columns times `scale`, its rows of unit length.
-
-    `inverse` receives what the rows are multiplied by, (m,).
-    """
+    """Write Φ_q, (m, n), columns times `scale`, rows times `inverse`, (m,): of unit length."""
     rows, columns, values = sparse.rows, sparse.columns, sparse.values
     fill_dense(sparse, scale, dense)
     inverse[:] = 0.0
@@ -227,8 +223,7 @@ def eliminate_rows(dense: Matrix, order: Integers, pivots: Vector, search: int) 
             if dense[k, column] != 0.0:
                 ratio = dense[k, column] / pivot
                 for j in range(n):
-                    # Without a branch: as many at once as registers hold.
-                    less = dense[k, j] - ratio * dense[i, j]
+                    less = dense[k, j] - ratio * dense[i, j]  # no branch: many at once
                     dense[k, j] = less if dense[i, j] != 0.0 else dense[k, j]
 
 

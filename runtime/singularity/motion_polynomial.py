@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from runtime.core.arrays import Integers, Matrix, Vector, f8, matrix, none, vector
+from runtime.core.arrays import Matrix, Vector, f8, matrix, none, vector
 from runtime.core.jit import compiled, inner
 
 _PASSES = 4  # safety: of Newton's method for the instant of the least distance
@@ -64,22 +64,20 @@ def interpolate(
     t + unit · `nodes`, s. (G. G. Lorentz, K. Jetter, S. D. Riemenschneider, Birkhoff Interpolation,
     1983, chapter 1.)
     """
-    fit, order, power = _fit(tuple(nodes), tuple(orders))
-    return Motion(t, fit @ (values * unit**order) / unit**power)
+    units = unit ** np.array(orders)[:, None]
+    coefficients = _fit(tuple(nodes), tuple(orders)) @ (values * units)
+    return Motion(t, coefficients / unit ** np.arange(len(nodes))[:, None])
 
 
 @lru_cache(maxsize=8)
-def _fit(nodes: tuple[float, ...], orders: tuple[int, ...]) -> tuple[Matrix, Integers, Integers]:
-    """The matrix that makes coefficients of derivatives; powers of the unit in both, (k, 1).
-
-    Most fits share a few of them.
-    """
+def _fit(nodes: tuple[float, ...], orders: tuple[int, ...]) -> Matrix:
+    """The matrix that makes coefficients of derivatives; most fits share a few of them."""
     x, order, power = np.array(nodes)[:, None], np.array(orders)[:, None], np.arange(len(nodes))
     factors = np.ones((len(nodes), len(nodes)))
     for d in range(max(orders, default=0)):
         factors *= np.where(d < order, np.maximum(power - d, 0), 1)
     inverse: Matrix = np.linalg.inv(factors * x ** np.maximum(power - order, 0))
-    return inverse, order, power[:, None]
+    return inverse
 
 
 @inner
@@ -109,10 +107,10 @@ def evaluate(series: Matrix, s: float, z: Vector, rate: Vector) -> None:
 
 @compiled(f8(matrix, f8, vector))
 def nearest_time(series: Matrix, s: float, z: Vector) -> float:
-    """The time at which a motion is nearest to z in q, by Newton's method from s on."""
+    """The time at which a motion is nearest to z, which leaves out time, by Newton's method."""
     for _ in range(_PASSES):
         along, square = 0.0, 0.0
-        for j in range(series.shape[1] - 1):
+        for j in range(z.size):
             rate = slope(series, s, j)
             along += (value(series, s, j) - z[j]) * rate
             square += rate * rate
@@ -122,8 +120,8 @@ def nearest_time(series: Matrix, s: float, z: Vector) -> float:
 
 @compiled(f8(matrix, f8, vector))
 def distance(series: Matrix, s: float, z: Vector) -> float:
-    """Distance of a motion from z in q after the time s."""
+    """Distance of a motion from z, as in `nearest_time`, after the time s."""
     total = 0.0
-    for j in range(series.shape[1] - 1):
+    for j in range(z.size):
         total += (value(series, s, j) - z[j]) ** 2
     return float(np.sqrt(total))

@@ -147,9 +147,6 @@ class PivotOrders:
         values = np.ones(rows)
         if strong < rows:
             weak_part = a[strong:, strong:].copy()
-            # Loaded where something is singular.
-            from runtime.singularity.schur_complement import reduce_to_weak_part
-
             if reduce_to_weak_part(table, a, strong):
                 values[strong:] = 0.0
                 smallest = np.linalg.svd(a[strong:, strong:], compute_uv=False)

@@ -5,7 +5,7 @@ has no attributes: ``context.x`` would read a run's slot. In scaled coordinates 
 z = (q / scale, t speed), of shape (n + 1,).
 """
 
-from runtime.core.arrays import Integers, Vector, f8, integers, none, vector, view
+from runtime.core.arrays import Integers, Vector, f8, i8, integers, none, vector, view
 from runtime.core.function_table_layout import TableLayout
 from runtime.core.jit import compiled, inner
 from runtime.core.kernel_abi import constraints_of, jacobian_of, velocity_rhs_of
@@ -105,3 +105,18 @@ def unit_jacobian_entries(search: Integers, z: Vector, out: Vector) -> None:
     jacobian_entries(search, z, out)
     for e in range(rows.size):
         out[e] = out[e] / lengths[rows[e]] if rows[e] < lengths.size else 0.0
+
+
+@compiled(i8(integers, vector, vector, f8))
+def is_root(search: Integers, z: Vector, entries: Vector, within: float) -> int:
+    """Whether unit rows vanish at z, and the Jacobian, which fills `values`, has these entries."""
+    values, residuals = values_of(search), residuals_of(search)
+    unit_residuals(search, z, residuals)
+    jacobian_entries(search, z, values)
+    for i in range(residuals.size):
+        if not abs(residuals[i]) <= within:
+            return 0
+    for e in range(values.size):
+        if not abs(values[e] - entries[e]) <= within:
+            return 0
+    return 1

@@ -9,6 +9,7 @@ point. (Unfolding of a saddle: M. Golubitsky and D. G. Schaeffer, Singularities 
 Bifurcation Theory I, 1985, chapter VII.)
 """
 
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -18,10 +19,15 @@ from runtime.linalg.rank_policy import LOST
 from runtime.singularity.motion_polynomial import Motion, distance, nearest_time
 from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.schur_complement import PivotOrders
+from runtime.singularity.search_function_table import is_root
 from runtime.singularity.singular_root_search import ITERATIONS, Root, Search
 
 _SAME = 0.05  # measured: of the way there; a motion that comes as near to a known position passes
 _ROUNDED = 1e-13  # accuracy: gap of unit rows that is rounding
+_NEAR = 0.01  # safety: of sizes; the way to a known position, to which none of its kind is nearer
+_ALONG = 0.999  # safety: cosine of the angle between two motions along one line
+_KEPT = 3  # layout: positions that are remembered, besides the last one
+_TURN = 2.0 * np.pi
 _CLEARLY = 1e-3  # measured: part of a gap; a smaller one belongs to another position
 
 
@@ -49,6 +55,8 @@ class SingularPositions:
 
     def __init__(self, constraints: ScaledConstraints) -> None:
         self.constraints = constraints
+        # Positions, their weak rows, how motions passed them, and entries of the Jacobian.
+        self.passed: tuple[tuple[Singularity, int, Vector, Vector], ...] = ()
         self.orders, self.search = _searches(constraints)
 
     def find(self, motion: Motion, s: float, branch: bool = False) -> Singularity | None:
@@ -62,40 +70,65 @@ class SingularPositions:
         if not 0.0 < speed < np.inf:
             return None
         search = self.search(self.constraints, self.orders, motion, speed)
-        best, most = None, ITERATIONS if branch else 1
+        count, most = search.count_weak(s), ITERATIONS if branch else 1
+        best = None if branch else self._find_passed(search, s, count)
         # With more weak rows than the motion loses, it misses the position that loses all of them,
         # and may pass one close by that loses fewer.
-        for weak in range(search.count_weak(s), 0, -1):
+        for weak in range(count if best is None else 0, 0, -1):
             root = search.find(s, weak)
             found = _characterise(search, *root, most) if root is not None else None
             if found is not None and (best is None or found.gap < _CLEARLY * best.gap):
                 best = found
             if best is not None and best.gap <= _ROUNDED:
+                if root is not None and root[0].freedom == 1 and weak == count:
+                    values, line = search.arrays["values"], search.path.at(root[1])[1]
+                    is_root(search.table, root[0].z, values, _ROUNDED)  # fills them
+                    self.passed = ((best, weak, line[:-1], values.copy()), *self.passed[:_KEPT])
                 break
         return best
 
+    def _find_passed(self, search: Search, s: float, weak: int) -> Singularity | None:
+        """The position, of those that are points, that the motion passes again in the same line.
+
+        It is the same but for whole turns, and a root of the constraints as they are now. Another
+        that loses as many rows is not as near: the weak singular values would lie apart.
+        """
+        scale, (z, rate), t = self.constraints.scale, search.path.at(s), search.motion.t + s
+        q, v = z[:-1] * scale, rate[:-1]
+        for known, count, line, entries in self.passed:
+            turned = known.q + _TURN * np.round((q - known.q) / _TURN)
+            near = count == weak and np.abs((turned - q) / scale).max() < _NEAR
+            along = abs(v @ line) > _ALONG * sqrt(v @ v * (line @ line))
+            z[:-1] = turned / scale
+            if near and along and is_root(search.table, z, entries, _ROUNDED):
+                return self._pass_again(search.motion, known._replace(t=t, q=turned))
+        return None
+
     def find_again(self, motion: Motion, known: Singularity) -> Singularity | None:
         """A known singular position, with the instant at which a later motion passes it."""
-        speed = self._speed(motion)
-        if not 0.0 < speed < np.inf:
+        again = self._pass_again(motion, known)
+        return again or self.find(motion, self.passing_time(motion, known) - motion.t)
+
+    def _pass_again(self, motion: Motion, known: Singularity) -> Singularity | None:
+        """As `find_again`; None where the motion does not come near, or where the machine rests."""
+        speed, (s, miss) = self._speed(motion), self._nearest(motion, known)
+        if not (0.0 < speed < np.inf and miss <= _SAME * max(abs(s) * speed, 1e-3)):
             return None
-        s, miss = self._nearest(motion, known, speed)
-        if miss > _SAME * max(abs(s) * speed, 1e-3):
-            return self.find(motion, s)
         growth = speed / known.speed
         return known._replace(t=motion.t + s, speed=speed, rate=known.rate * growth, miss=miss)
 
     def passing_time(self, motion: Motion, known: Singularity) -> float:
         """The instant at which this motion is nearest to a known singular position, s."""
-        return motion.t + self._nearest(motion, known, known.speed)[0]
+        return motion.t + self._nearest(motion, known)[0]
 
     def _speed(self, motion: Motion) -> float:
-        return float(np.linalg.norm(motion.velocity / self.constraints.scale))
+        scaled = motion.velocity / self.constraints.scale
+        return sqrt(scaled @ scaled)
 
-    def _nearest(self, motion: Motion, known: Singularity, speed: float) -> tuple[float, float]:
+    def _nearest(self, motion: Motion, known: Singularity) -> tuple[float, float]:
         """Time from the motion's own instant to where it is nearest to a position, and how near."""
-        z = np.append(known.q / self.constraints.scale, known.t * speed)
-        series = motion.scaled(self.constraints.scale, speed).series
+        scale = self.constraints.scale
+        series, z = motion.series / scale, known.q / scale
         s = nearest_time(series, known.t - motion.t, z)
         return s, distance(series, s, z)
 
@@ -115,7 +148,7 @@ def _characterise(search: Search, root: Root, s: float, most: int) -> Singularit
     """The singular position at a root; None where the motion does not come near."""
     constraints = search.constraints
     rate = search.path.at(s)[1]
-    miss = distance(search.path.series, s, root.z)
+    miss = distance(search.path.series, s, root.z[:-1])
     if miss > 0.1 * abs(s) * search.speed + 1e-3:
         return None
     passage = search.passage(root, rate, most)

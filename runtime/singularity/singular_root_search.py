@@ -276,7 +276,7 @@ class Search:
             found = self._root(z, self._order(z), weak)
             if found is None:
                 return None
-            before, s = s, nearest_time(self.path.series, s, found.z)
+            before, s = s, nearest_time(self.path.series, s, found.z[:-1])
             # With one freedom the position is one point, wherever the search for it began.
             if found.freedom <= 1 or abs(s - before) * self.speed < 1e-6:
                 break
@@ -284,9 +284,6 @@ class Search:
 
     def passage(self, root: Root, rate: Vector, most: int) -> Passage:
         """How a motion at the rate dz/ds, (n + 1,), passes a root; `most`: as of `find_branch`."""
-        # Loaded where something is singular.
-        from runtime.singularity.singular_root_search import find_branch
-
         weak, free = root.left.shape[1], root.null.shape[1]
         passing, x = np.empty((weak, free)), np.empty(free)  # of the complement; towards the branch
         find_branch(self.table, root.z, rate, root.left, root.null, passing, x, most)
@@ -303,9 +300,6 @@ class Search:
 
     def _root(self, z: Vector, order: PivotOrder, weak: int) -> Root | None:
         """A position near z at which `weak` constraints are lost, or None."""
-        # Loaded where something is singular.
-        from runtime.singularity.singular_root_search import find_root
-
         arrays = self.arrays
         rows, wide = order.row_order.size, order.column_order.size
         arrays["row_order"][:], arrays["column_order"][:] = order.row_order, order.column_order

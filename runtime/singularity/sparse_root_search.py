@@ -36,17 +36,14 @@ from runtime.singularity.sparse_complement import Complement, Order, SparseJacob
 
 _DIFFERENCE = 6e-6  # accuracy: EPS ** (1/3), the relative size of a central difference
 _ITERATIONS = 40  # safety: Newton iterations
-_CONVERGED = 1e-12  # accuracy: a step over the length of the direction that is the last
+_CONVERGED = 1e-12  # accuracy: a step over a direction's length, or 1 + |z|, that is the last
 _REGULAR = 1e-13  # accuracy: of the largest: squared singular values below this determine nothing
 _INVERSE = 300  # safety: steps of inverse iteration
 _SETTLED = 1e-8  # accuracy: relative change of the squared singular value at the last one
 _COLUMNS = 64  # layout: right sides that are solved for at once
-_ITERATIONS = 40  # safety: Newton iterations
 _KEEP = 5  # measured: iterations with the same second derivatives, but for the first one's
-_CONVERGED = 1e-12  # accuracy: a step over 1 + |z| that is the last
 _FAR = 0.5  # safety: of a coordinate's size: a root so far from where the search began is another
 _FLAT = 1e-6  # accuracy: the largest entry of the complement at a singular position
-_REGULAR = 1e-13  # accuracy: of the largest: squared singular values below this determine nothing
 
 
 class Forms(NamedTuple):

@@ -80,11 +80,11 @@ def test_scaled_motions_have_time_as_a_coordinate():
 def test_a_motion_is_nearest_to_a_place_that_it_passes_when_it_passes_it():
     series = np.random.default_rng(1).normal(size=(6, 4))
     passed = Motion(2.0, series).scaled(np.ones(4), 1.0).series
-    z = np.append(derivatives(series, 0.1, (0,))[0], 0.0)
+    z = derivatives(series, 0.1, (0,))[0]
     s = nearest_time(passed, 0.11, z)
     assert s == pytest.approx(0.1, abs=1e-6)
     assert distance(passed, s, z) < 1e-5
     # Beside it, the way there is across the motion.
     aside = np.linalg.svd(derivatives(series, 0.1, (1,)))[2][-1]
-    z[:4] += 0.01 * aside
+    z += 0.01 * aside
     assert distance(passed, nearest_time(passed, 0.1, z), z) == pytest.approx(0.01, rel=0.05)

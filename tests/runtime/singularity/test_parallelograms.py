@@ -106,5 +106,5 @@ def test_a_quintic_has_what_both_ends_have() -> None:
     made = hermite(t, h, state(0.0), state(h))
     np.testing.assert_allclose(made.series, series, rtol=1e-10, atol=1e-10)
     passed = Motion(t, series).scaled(np.ones(4), 1.0).series
-    z = np.append(state(0.1)[0], 0.0)
+    z = state(0.1)[0]
     assert nearest_time(passed, 0.11, z) == pytest.approx(0.1, abs=1e-6)

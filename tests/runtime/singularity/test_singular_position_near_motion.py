@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from runtime.singularity.singular_position_near_motion import SingularPositions
-from tests.runtime.singularity.crossing import branch_slopes, closed, mechanism
+from runtime.singularity.motion_polynomial import Motion
+from runtime.singularity.singular_position_near_motion import Singularity, SingularPositions
+from tests.runtime.singularity.crossing import GAP, C, branch_slopes, closed, mechanism
 from tests.runtime.singularity.test_singular_root_search import on_branch
 
 
@@ -64,6 +65,69 @@ def test_a_position_once_found_is_seen_again_from_nearer():
     assert again.rate / again.speed == pytest.approx(first.rate / first.speed)
     assert again.speed == pytest.approx(np.linalg.norm(later.velocity))
     assert positions.passing_time(later, first) == pytest.approx(2.05, abs=1e-9)
+
+
+def searches(positions: SingularPositions, motion: Motion, s: float) -> tuple[Singularity, int]:
+    """What is found, and after how many searches for a root."""
+    count, search = [], positions.search
+
+    class Counted(search):
+        def find(self, s, weak):
+            count.append(weak)
+            return super().find(s, weak)
+
+    positions.search = Counted
+    found = positions.find(motion, s)
+    positions.search = search
+    assert found is not None
+    return found, len(count)
+
+
+def test_a_point_that_was_passed_is_known_on_the_way_back_and_after_whole_turns():
+    positions = SingularPositions(mechanism())
+    first, searched = searches(positions, on_branch(-0.01), 0.01)
+    assert searched == 1
+    back = on_branch(0.008, speed=-2.0, t=9.0)
+    again, searched = searches(positions, back, 0.004)
+    assert searched == 0
+    fresh = SingularPositions(mechanism()).find(back, 0.004)
+    assert again.t == pytest.approx(fresh.t, abs=1e-12)
+    np.testing.assert_allclose(again.q, fresh.q, atol=1e-12)
+    assert again.rate == pytest.approx(fresh.rate, rel=0.01)
+    assert again.speed == fresh.speed
+    assert (again.lost, again.gap) == (first.lost, first.gap)
+
+
+def test_a_point_is_not_known_to_another_motion_nor_where_constraints_have_changed():
+    scaled = mechanism(k=0.3)
+    positions = SingularPositions(scaled)
+    assert searches(positions, on_branch(-0.01), 0.01)[1] == 1
+    other = on_branch(-0.01)
+    s = branch_slopes(0.5)[1]
+    other.series[0, 1] = -0.01 * s
+    other.series[1, 1] = s
+    assert searches(positions, other, 0.01)[1] == 1
+    assert searches(positions, on_branch(-0.01), 0.01)[1] == 0
+    scaled.p[GAP] = 1e-9
+    found, searched = searches(positions, on_branch(-0.01), 0.01)
+    assert searched == 1
+    assert found.gap > 1e-11
+    scaled.p[GAP], scaled.p[C] = 0.0, 0.6
+    assert searches(positions, on_branch(-0.01, c=0.6), 0.01)[1] == 1
+
+
+def test_a_length_does_not_turn():
+    """The same motion, but for 2π in a coordinate that the constraints do not take the sine of."""
+    positions = SingularPositions(mechanism())
+    assert searches(positions, on_branch(-0.01), 0.01)[1] == 1
+    away = on_branch(-0.01)
+    away.series[0, 2] += 2.0 * np.pi
+    assert (
+        positions._find_passed(
+            positions.search(positions.constraints, positions.orders, away, 1.0), 0.01, 1
+        )
+        is None
+    )
 
 
 @pytest.mark.parametrize("speed", [0.0, np.nan])
