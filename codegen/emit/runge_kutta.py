@@ -5,6 +5,8 @@ loop over the 2 n entries of the state.
 """
 
 from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from itertools import zip_longest
 
 from codegen.emit.line_wrapping import items, literal, wrap_pieces
 from codegen.tableaus.tableau import Stage, Tableau, Weights
@@ -98,10 +100,11 @@ def _error(tableau: Tableau) -> Iterator[str]:
             yield f"        stability_limit.observe(context, {_row(tableau.last + 1)})"
         yield "    return float(np.sqrt(total / length))"
         return
-    second = [*_terms(tableau.b), *_terms(tuple(-x for x in tableau.lower), first=False)]
-    yield from ("    high, low = 0.0, 0.0", LOOP, f"        tolerance = {scale}")
-    for name, terms in (("high", _terms(tableau.error)), ("low", second)):
-        yield from wrap_pieces("        ratio = (", terms, ") / tolerance")
+    pairs = zip_longest(tableau.b, tableau.lower, fillvalue=Fraction())
+    second = tuple(b - x for b, x in pairs)
+    yield from ("    high, low = 0.0, 0.0", LOOP, f"        inverse = 1.0 / ({scale})")
+    for name, weights in (("high", tableau.error), ("low", second)):
+        yield from wrap_pieces("        ratio = inverse * (", _terms(weights), ")")
         yield f"        {name} += ratio * ratio"
     yield "    both = high + 0.01 * low"
     yield "    if both == 0.0:  # also where a ratio is too small to be squared"
@@ -182,10 +185,10 @@ def _used(*rows: Weights) -> list[int]:
     return sorted({number for row in rows for number, x in enumerate(row, 1) if x})
 
 
-def _terms(row: Weights, first: bool = True) -> list[str]:
+def _terms(row: Weights) -> list[str]:
     """The products of a linear combination of stages, each with its sign in front."""
     weights = [(number, float(x)) for number, x in enumerate(row, 1) if x]
     terms = [f"{'-' if x < 0 else '+'} {literal(abs(x))} * k{number}[j]" for number, x in weights]
-    if first and terms:
+    if terms:
         terms[0] = terms[0].removeprefix("+ ").replace("- ", "-", 1)
     return terms

@@ -159,6 +159,12 @@ class Graph(Numbering):
             for inner, rest in (pair := self.values[b].args, pair[::-1]):
                 if (z := self.floats[inner]) is not None:
                     return self.mul(self.constant(x * z, "*", x, z), rest)
+        if self.settled[b] and not self.settled[a]:
+            a, b, x, first, second = b, a, None, second, first
+        if x is None and self.settled[a] and second is Op.MUL:
+            for inner, rest in (pair := self.values[b].args, pair[::-1]):
+                if self.settled[inner] and self.floats[inner] is None and not self.settled[rest]:
+                    return self.mul(self.mul(a, inner), rest)
         if first is Op.SELECT or second is Op.SELECT:
             for one, other in ((a, b), (b, a)):
                 if (inside := self._move_into_choice(one, other)) is not None:
@@ -189,7 +195,25 @@ class Graph(Numbering):
             return self.neg(self.div(a, self.neg(b)))
         if self.settled[b] and not self.settled[a]:
             return self.mul(self.div(self.one, b), a)
+        factor, root = self._factor_of_root(b)
+        if root is not None:  # √S/S, as both are computed at once
+            inverse = self._add(Op.DIV, (self.one, self.values[root].args[0]))
+            return self.mul(self.div(a, factor), self.mul(root, inverse))
         return self._add(Op.DIV, (a, b))
+
+    def _factor_of_root(self, a: int) -> tuple[int, int | None]:
+        """c and √S of a = c √S, c known before the run; None for the root of another value."""
+        value = self.values[a]
+        if value.op is Op.SQRT:
+            return self.one, a
+        if value.op is Op.ADD and value.args[0] == value.args[1]:
+            factor, root = self._factor_of_root(value.args[0])
+            return self.add(factor, factor), root
+        if value.op is Op.MUL:
+            for c, root in (value.args, value.args[::-1]):
+                if self.settled[c] and self.values[root].op is Op.SQRT:
+                    return c, root
+        return self.one, None
 
     def power(self, base: int, exponent: float) -> int:
         """base ** exponent; small whole and half exponents by products and a square root."""
@@ -298,11 +322,12 @@ def substitute(graph: Graph, outputs: Sequence[int], replaced: Mapping[int, int]
         known[number] = number
         if args != value.args:
             with graph.serving(value.serves):
-                known[number] = _with_arguments(graph, value, args)
+                known[number] = with_arguments(graph, value, args)
     return [known[number] for number in outputs]
 
 
-def _with_arguments(graph: Graph, value: Value, args: tuple[int, ...]) -> int:
+def with_arguments(graph: Graph, value: Value, args: tuple[int, ...]) -> int:
+    """The operation of a value on other arguments."""
     if value.op in ARITHMETIC:
         return ARITHMETIC[value.op](graph, *args)
     if value.op in (Op.SIN, Op.COS):

@@ -30,6 +30,7 @@ from codegen.lower.program import (
     storing,
 )
 from codegen.lower.scene_graph import Reaction, SceneGraph
+from codegen.lower.tree_height_reduction import reduce_height
 
 
 class Selection:
@@ -142,7 +143,7 @@ def lower(equations: Equations) -> Lowered:
     recovered, reported = selection.multipliers(scene), selection.reactions(scene)
     if recovered or not resting:
         fused, strategy = accelerations(scene, recovered, spread)
-        kernels.append(fused)
+        kernels.append(reduce_height(scene.graph, fused))
     if not resting:
         kernels.append(correction(scene))
     powers: list[tuple[str, str, int]] = []

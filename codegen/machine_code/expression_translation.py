@@ -253,6 +253,8 @@ class ExpressionTranslation:
                 return self._call_of_function(name, arguments)
             case ast.Name(id="abs") if [number.type for number in arguments] == [DOUBLE]:
                 return self._external("llvm.fabs.f64", arguments)
+            case ast.Name(id="int") if [number.type for number in arguments] == [DOUBLE]:
+                return self._code.fptosi(arguments[0], INTEGER)
             case ast.Name(id="float") if len(arguments) == 1:
                 return self._as(DOUBLE, arguments[0])
             case ast.Attribute(value=ast.Name(id="math"), attr="floor") if len(arguments) == 1:

@@ -27,6 +27,7 @@ from codegen.lower.lowered_scene import Lowered
 from codegen.lower.module_tables import Pattern
 from codegen.lower.operation_count import cost
 from codegen.lower.program import STATE, Check, Kernel, Output, Program, store, storing
+from codegen.lower.tree_height_reduction import reduce_height
 from codegen.reduce.coordinate_map import EVENT_KERNELS, CoordinateMap
 
 Entries = dict[tuple[int, int], int]
@@ -148,7 +149,8 @@ class ProjectedEquations:
         outputs += tuple(Output("lam", r, x, names[r]) for r, x in multipliers.items())
         summary = "ü and λ_r of M_r ü + Φ_rᵀ λ_r = Q_r, Φ_r ü = γ_r."
         arguments = (*STATE, "modes", "a", "lam")
-        return Kernel("accelerations", summary, arguments, outputs, checks, watched=True)
+        whole = Kernel("accelerations", summary, arguments, outputs, checks, watched=True)
+        return reduce_height(self.graph, whole)
 
 
 TURN = 2.0 * math.pi

@@ -37,13 +37,15 @@ def propose(context: Integers, h: float) -> float:
         r.remembered = 0.0
     else:
         if r.remembered > 0.0 and h <= _COMPARABLE * r.length_old:
-            expected = r.remembered * (h / r.length_old) ** r.estimate_order
+            expected, longer = r.remembered, h / r.length_old
+            for _ in range(r.estimate_order):
+                expected *= longer
             r.error = max(r.error, _FALL * expected)
         r.remembered, r.length_old = r.error, h
     ratio = r.grow
     if r.error != 0.0:
-        change = r.error ** (r.exponent - 0.75 * r.beta) / r.error_old**r.beta / r.safety
-        ratio = max(r.shrink, min(r.grow, 1.0 / change))
+        power = r.beta * np.log(r.error_old) - (r.exponent - 0.75 * r.beta) * np.log(r.error)
+        ratio = max(r.shrink, min(r.grow, r.safety * np.exp(power)))
     return float(min(ratio, 1.0) if r.rejected_before != 0 else ratio)
 
 

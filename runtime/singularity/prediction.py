@@ -104,14 +104,15 @@ def mean_acceleration(context: Context, v: Vector, h: float) -> float:
 
 @inner
 def plan_next_look(
-    context: Context, t: float, h: float, ahead: float, weakest: float, speed: float
+    context: Context, t: float, h: float, ahead: float, weakest: float, speed: float, rates: int
 ) -> None:
-    """Set `look_at` to the instant until which no pivot can vanish.
+    """Set `look_at` to the instant until which no pivot can vanish, from time t on.
 
-    Pivots change about as fast as the motion; `weakest` is the smallest, and within the time
-    `ahead`, infinite at rest, nothing announced itself.
+    Pivots change about as fast as the motion, whose derivative at t is row `rates`; `weakest` is
+    the smallest, and within the time `ahead`, infinite at rest, nothing announced itself.
     """
-    acceleration = largest_ratio(ws.velocity_rates(context, ws.K), ws.first_half(context, ws.SIZE))
+    size = ws.first_half(context, ws.SIZE)
+    acceleration = largest_ratio(ws.velocity_rates(context, rates), size)
     earliest = travel_time(_MARGIN * weakest, speed, acceleration)
     run_record(context).look_at = t + min(max(_TRUST * ahead, earliest), _STEPS * h)
 
@@ -216,7 +217,8 @@ def stays_regular(
     if not weakest > _POORER * known[LEAST] or approaches_zero(last, later, passed, ahead - h):
         return False
     keep_pivots(context, t + h)
-    plan_next_look(context, t, h, ahead, weakest, speed)
+    last_rates = ws.K + run_record(context).last
+    plan_next_look(context, t + h, h, ahead - h, weakest, speed, last_rates)
     return True
 
 
@@ -299,7 +301,8 @@ def predict_vanishing_pivot(context: Context, t: float, h: float, state: int) ->
         weakest = smallest_pivot(now)
         nearest, which = next_zero(context, span, back, ahead, beyond)
         if candidate == 0:
-            plan_next_look(context, t, h, 0.0 if nearest < np.inf else ahead, weakest, speed)
+            trusted = 0.0 if nearest < np.inf else ahead
+            plan_next_look(context, t, h, trusted, weakest, speed, ws.K)
         if not nearest < np.inf:
             independent = context[ft.RANK] == context[ft.CONSTRAINT_COUNT]
             if candidate == 0 and not failed and independent:
