@@ -159,12 +159,6 @@ class Graph(Numbering):
             for inner, rest in (pair := self.values[b].args, pair[::-1]):
                 if (z := self.floats[inner]) is not None:
                     return self.mul(self.constant(x * z, "*", x, z), rest)
-        if self.settled[b] and not self.settled[a]:
-            a, b, x, first, second = b, a, None, second, first
-        if x is None and self.settled[a] and second is Op.MUL:
-            for inner, rest in (pair := self.values[b].args, pair[::-1]):
-                if self.settled[inner] and self.floats[inner] is None and not self.settled[rest]:
-                    return self.mul(self.mul(a, inner), rest)
         if first is Op.SELECT or second is Op.SELECT:
             for one, other in ((a, b), (b, a)):
                 if (inside := self._move_into_choice(one, other)) is not None:
@@ -195,25 +189,23 @@ class Graph(Numbering):
             return self.neg(self.div(a, self.neg(b)))
         if self.settled[b] and not self.settled[a]:
             return self.mul(self.div(self.one, b), a)
-        factor, root = self._factor_of_root(b)
+        factor, root = self._root(b)
         if root is not None:  # √S/S, as both are computed at once
             inverse = self._add(Op.DIV, (self.one, self.values[root].args[0]))
             return self.mul(self.div(a, factor), self.mul(root, inverse))
         return self._add(Op.DIV, (a, b))
 
-    def _factor_of_root(self, a: int) -> tuple[int, int | None]:
-        """c and √S of a = c √S, c known before the run; None for the root of another value."""
-        value = self.values[a]
-        if value.op is Op.SQRT:
-            return self.one, a
-        if value.op is Op.ADD and value.args[0] == value.args[1]:
-            factor, root = self._factor_of_root(value.args[0])
+    def _root(self, a: int) -> tuple[int, int | None]:
+        """c and √S of a = c √S, c known before the run; None where it has another form."""
+        op, args = self.values[a].op, self.values[a].args
+        if op is Op.ADD and args[0] == args[1]:
+            factor, root = self._root(args[0])
             return self.add(factor, factor), root
-        if value.op is Op.MUL:
-            for c, root in (value.args, value.args[::-1]):
-                if self.settled[c] and self.values[root].op is Op.SQRT:
-                    return c, root
-        return self.one, None
+        for c, rest in (args, args[::-1]) if op is Op.MUL else ():
+            if self.settled[c]:
+                factor, root = self._root(rest)
+                return self.mul(c, factor), root
+        return self.one, a if op is Op.SQRT else None
 
     def power(self, base: int, exponent: float) -> int:
         """base ** exponent; small whole and half exponents by products and a square root."""

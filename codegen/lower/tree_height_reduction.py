@@ -17,86 +17,69 @@ LARGEST = 4000  # measured: values of a kernel; a larger one has enough under wa
 _FUNCTION = 45  # measured: cycles of a sine, and of what is not named below
 _CYCLES = {  # measured: of the other operations
     **dict.fromkeys((*LEAVES, *LOGICAL, Op.SELECT, Op.NEG), 0),
-    **dict.fromkeys((Op.ADD, Op.SUB, Op.MUL), 4),
-    Op.DIV: 14,
-    Op.SQRT: 18,
-}
+    Op.ADD: 4, Op.SUB: 4, Op.MUL: 4, Op.DIV: 14, Op.SQRT: 18,
+}  # fmt: skip
+_SIGNS = {**SUMS, Op.MUL: (1, 1)}  # of the arguments of what forms chains
 
 
 def reduce_height(graph: Graph, kernel: Kernel) -> Kernel:
     """The kernel with its chains joined anew, in values of the same graph."""
-    values, heights = graph.values, list[int]()  # cycles until a value is known
+    values, heights, known = graph.values, list[int](), dict[int, int]()
     needed = sorted(dependencies(values, kernel.roots))
     if len(needed) > LARGEST:
         return kernel
     uses = Counter(kernel.roots)
     for number in needed:
         uses.update(values[number].args)
-    kinds = {k: Op.ADD if values[k].op in SUMS else values[k].op for k in needed}
-    chained = {  # values that are part of the chain of their only user
-        a
-        for k in needed
-        for a in values[k].args
-        if uses[a] == 1 and kinds[a] == kinds[k] and kinds[k] in (Op.ADD, Op.MUL)
-    }
-    known: dict[int, int] = {}
+
+    inside = {  # values that are part of the chain of their only user
+        a for k in needed if values[k].op in _SIGNS for a in values[k].args
+        if values[a].op in _SIGNS and uses[a] == 1
+        and (values[a].op is Op.MUL) == (values[k].op is Op.MUL)
+    }  # fmt: skip
 
     def height(number: int) -> int:
+        """Cycles until a value is known."""
         for k in range(len(heights), len(values)):
             before = max((heights[a] for a in values[k].args), default=0)
-            own = _CYCLES.get(values[k].op, _FUNCTION)
-            heights.append(0 if graph.settled[k] else before + own)
+            heights.append(0 if graph.settled[k] else before + _CYCLES.get(values[k].op, _FUNCTION))
         return heights[number]
 
-    def terms(number: int) -> list[tuple[int, int]]:
-        stack, found = [(number, 1)], list[tuple[int, int]]()
+    def joined(chain: int) -> int:
+        stack, terms = [(chain, 1)], list[tuple[int, int, int, int]]()
         while stack:
             a, sign = stack.pop()
-            if a == number or a in chained:
-                signs = SUMS.get(values[a].op, (1, 1))
-                pairs = zip(values[a].args, signs, strict=True)
+            if a == chain or a in inside:
+                pairs = zip(values[a].args, _SIGNS[values[a].op], strict=True)
                 stack += [(inner, sign * own) for inner, own in pairs][::-1]
             else:
-                found.append((known[a], sign))
-        return found
-
-    def joined(number: int) -> int:
-        heap = [(height(a), k, a, sign) for k, (a, sign) in enumerate(terms(number))]
-        heapify(heap)
-        while len(heap) > 1:
-            (_, place, a, sign), (*_, b, other) = heappop(heap), heappop(heap)
-            if kinds[number] is Op.MUL:
+                terms.append((height(known[a]), len(terms), known[a], sign))
+        heapify(terms)
+        while len(terms) > 1:
+            (_, place, a, sign), (*_, b, other) = heappop(terms), heappop(terms)
+            if values[chain].op is Op.MUL:
                 c = graph.mul(a, b)
             elif sign == other:
                 c = graph.add(a, b)
             else:
                 c, sign = graph.sub(*((a, b) if sign > 0 else (b, a))), 1
-            heappush(heap, (height(c), place, c, sign))
-        ((*_, whole, sign),) = heap
+            heappush(terms, (height(c), place, c, sign))
+        ((*_, whole, sign),) = terms
         return whole if sign > 0 else graph.neg(whole)
 
     for number in needed:
         value = values[number]
-        if number in chained:
-            continue
         with graph.serving(value.serves):
-            if kinds[number] in (Op.ADD, Op.MUL):
+            if value.op not in _SIGNS:
+                args = tuple(known[a] for a in value.args)
+                same = args == value.args
+                known[number] = number if same else with_arguments(graph, value, args)
+            elif number not in inside:
                 known[number] = joined(number)
-                continue
-            args = tuple(known[a] for a in value.args)
-            known[number] = number
-            if args != value.args:
-                known[number] = with_arguments(graph, value, args)
+    checks = [(check, known[check.pivot], known[check.reference]) for check in kernel.checks]
     return replace(
         kernel,
         outputs=tuple(out._replace(value=known[out.value]) for out in kernel.outputs),
-        checks=tuple(
-            check._replace(pivot=known[check.pivot], reference=known[check.reference])
-            for check in kernel.checks
-        ),
-        labels=tuple(
-            label._replace(value=known[label.value])
-            for label in kernel.labels
-            if label.value in known
-        ),
+        checks=tuple(check._replace(pivot=a, reference=b) for check, a, b in checks),
+        labels=tuple(x._replace(value=known.get(x.value, x.value)) for x in kernel.labels),
     )
