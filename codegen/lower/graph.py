@@ -189,23 +189,7 @@ class Graph(Numbering):
             return self.neg(self.div(a, self.neg(b)))
         if self.settled[b] and not self.settled[a]:
             return self.mul(self.div(self.one, b), a)
-        factor, root = self._root(b)
-        if root is not None:  # √S/S, as both are computed at once
-            inverse = self._add(Op.DIV, (self.one, self.values[root].args[0]))
-            return self.mul(self.div(a, factor), self.mul(root, inverse))
         return self._add(Op.DIV, (a, b))
-
-    def _root(self, a: int) -> tuple[int, int | None]:
-        """c and √S of a = c √S, c known before the run; None where it has another form."""
-        op, args = self.values[a].op, self.values[a].args
-        if op is Op.ADD and args[0] == args[1]:
-            factor, root = self._root(args[0])
-            return self.add(factor, factor), root
-        for c, rest in (args, args[::-1]) if op is Op.MUL else ():
-            if self.settled[c]:
-                factor, root = self._root(rest)
-                return self.mul(c, factor), root
-        return self.one, a if op is Op.SQRT else None
 
     def power(self, base: int, exponent: float) -> int:
         """base ** exponent; small whole and half exponents by products and a square root."""

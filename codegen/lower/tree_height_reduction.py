@@ -70,12 +70,19 @@ def reduce_height(graph: Graph, kernel: Kernel) -> Kernel:
     for number in needed:
         value = values[number]
         with graph.serving(value.serves):
-            if value.op not in _SIGNS:
-                args = tuple(known[a] for a in value.args)
+            if value.op in _SIGNS:
+                if number not in inside:
+                    known[number] = joined(number)
+                continue
+            args = tuple(known[a] for a in value.args)
+            factor, root = _root(graph, args[1]) if value.op is Op.DIV else (graph.one, None)
+            if root is not None:  # 1/√S as √S/S, whose root and quotient are taken at once
+                inverse = graph.div(graph.one, values[root].args[0])
+                quotient = graph.div(args[0], factor)
+                known[number] = graph.mul(quotient, graph.mul(root, inverse))
+            else:
                 same = args == value.args
                 known[number] = number if same else with_arguments(graph, value, args)
-            elif number not in inside:
-                known[number] = joined(number)
     checks = [(check, known[check.pivot], known[check.reference]) for check in kernel.checks]
     return replace(
         kernel,
@@ -83,3 +90,15 @@ def reduce_height(graph: Graph, kernel: Kernel) -> Kernel:
         checks=tuple(check._replace(pivot=a, reference=b) for check, a, b in checks),
         labels=tuple(x._replace(value=known.get(x.value, x.value)) for x in kernel.labels),
     )
+
+
+def _root(graph: Graph, a: int) -> tuple[int, int | None]:
+    """c and √S of a = c √S, c known before the run; None where it has another form."""
+    op, args = graph.values[a].op, graph.values[a].args
+    if op is Op.ADD and args[0] == args[1]:
+        factor, root = _root(graph, args[0])
+        return graph.add(factor, factor), root
+    for c, rest in (args, args[::-1]) if op is Op.MUL else ():
+        if graph.settled[c] and graph.values[rest].op is Op.SQRT:
+            return c, rest
+    return graph.one, a if op is Op.SQRT else None

@@ -66,7 +66,7 @@ def shown(graph: Graph, number: int) -> str:
         (lambda g, x, y: g.power(x, -1), "/(1 x)"),
         (lambda g, x, y: g.power(x, 0.5), "sqrt(x)"),
         (lambda g, x, y: g.power(x, 1.5), "*(x sqrt(x))"),
-        (lambda g, x, y: g.power(x, -0.5), "*(sqrt(x) /(1 x))"),
+        (lambda g, x, y: g.power(x, -0.5), "/(1 sqrt(x))"),
         (lambda g, x, y: g.power(x, 0.25), "pow(x 0.25)"),
         (lambda g, x, y: g.power(x, 100), "pow(x 100)"),
         (lambda g, x, y: g.function(Op.SIN, g.neg(x)), "neg(sin(x))"),
