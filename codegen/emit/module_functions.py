@@ -5,8 +5,8 @@ twice, and to more digits than it has. Here the argument is reduced once, to ±�
 parts (W. J. Cody and W. Waite, Software Manual for the Elementary Functions, 1980); sine and cosine
 are then the polynomials of fdlibm, without a branch: accurate to two units of the last digit, in
 7 ns instead of 9 to 12. Adding 1.5 2⁵² leaves a number without room for a fraction, which rounds
-it. An angle beyond a million is first brought within a turn, before other values are there to be
-kept over the calls.
+it. An angle beyond a million is first brought within a turn, to 4e-16 rad, before other values are
+there to be kept over the calls.
 """
 
 from collections.abc import Iterator

@@ -3,7 +3,8 @@
 A processor begins an operation once its arguments are there, and has several under way at once. In
 ((a - b) - c) + d, d waits for all before it, even if it alone was known from the beginning. Of the
 terms of a chain, the two that are known first are joined, again and again (D. J. Kuck, The
-Structure of Computers and Computations, 1978, section 2.3).
+Structure of Computers and Computations, 1978, section 2.3). Of a loop in closed form, 1/√S becomes
+√S/S, whose root and quotient are taken at once.
 """
 
 from collections import Counter
@@ -76,18 +77,20 @@ def reduce_height(graph: Graph, kernel: Kernel) -> Kernel:
                 continue
             args = tuple(known[a] for a in value.args)
             factor, root = _root(graph, args[1]) if value.op is Op.DIV else (graph.one, None)
-            if root is not None:  # 1/√S as √S/S, whose root and quotient are taken at once
+            # Laws may have a value where a root of theirs vanishes, and its inverse is infinite.
+            if root is not None and value.serves == "reduction":
                 inverse = graph.div(graph.one, values[root].args[0])
                 quotient = graph.div(args[0], factor)
                 known[number] = graph.mul(quotient, graph.mul(root, inverse))
             else:
                 same = args == value.args
                 known[number] = number if same else with_arguments(graph, value, args)
-    checks = [(check, known[check.pivot], known[check.reference]) for check in kernel.checks]
     return replace(
         kernel,
-        outputs=tuple(out._replace(value=known[out.value]) for out in kernel.outputs),
-        checks=tuple(check._replace(pivot=a, reference=b) for check, a, b in checks),
+        outputs=tuple(x._replace(value=known[x.value]) for x in kernel.outputs),
+        checks=tuple(
+            x._replace(pivot=known[x.pivot], reference=known[x.reference]) for x in kernel.checks
+        ),
         labels=tuple(x._replace(value=known.get(x.value, x.value)) for x in kernel.labels),
     )
 

@@ -124,7 +124,7 @@ def prepare_run(
         if plain and ready.passages is None:  # these depend on the end
             if len(kept) >= _KEPT:
                 kept.clear()
-            kept[key] = found
+            kept[key] = found.again(t_end)  # without the room of the assembly
     coordinates = found.again(t_end) if found.ready.passages is None else found
     # An unknown method is refused by the integrator, together with all else that is wrong.
     fields = {"atol_q": atol, "atol_v": atol, "h_max": max_step} | settings
@@ -148,8 +148,7 @@ def run_prepared(
     ready, begin, equations = coordinates.ready, coordinates.begin, coordinates.equations
     works = works and bool(equations.description.work_rows)
     if works or run is None:
-        chosen = replace(options, quadrature=True) if works else options
-        run = ready.run(coordinates, chosen, progress)
+        run = ready.run(coordinates, replace(options, quadrature=works), progress)
     run = end_at_kink(equations, begin, run, ready.t_end - begin.t)
     run = end_at_jam(equations, run, ready.t_end - begin.t)
     result = _result(equations, run, ready, began, samples)

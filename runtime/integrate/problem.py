@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal, NamedTuple, get_args
 
 import numpy as np
@@ -91,7 +90,7 @@ class Problem(NamedTuple):
     stops: Stops | None = None  # None: the run ends its steps where it likes
     samples_taken: bool = False  # whether clocks have renewed what is due at t0
     # number of a sampled value → what computes its samples
-    controllers: Mapping[int, Controller] = MappingProxyType({})
+    controllers: Mapping[int, Controller] = {}
     discrete: Discrete | None = None  # None: clocks begin, and no condition has held
 
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from runtime.core.arrays import Vector
+from runtime.core.arrays import EPS, Vector
 from runtime.linalg.rank_policy import LOST
 from runtime.singularity.motion_polynomial import Motion, distance, nearest_time
 from runtime.singularity.scaled_constraints import ScaledConstraints
@@ -82,7 +82,7 @@ class SingularPositions:
             if best is not None and best.gap <= _ROUNDED:
                 if root is not None and root[0].freedom == 1 and weak == count:
                     values, line = search.arrays["values"], search.path.at(root[1])[1]
-                    is_root(search.table, root[0].z, values, _ROUNDED)  # fills them
+                    is_root(search.table, root[0].z, values, _ROUNDED)  # writes them
                     self.passed = ((best, weak, line[:-1], values.copy()), *self.passed[:_KEPT])
                 break
         return best
@@ -100,7 +100,8 @@ class SingularPositions:
             near = count == weak and np.abs((turned - q) / scale).max() < _NEAR
             along = abs(v @ line) > _ALONG * sqrt(v @ v * (line @ line))
             z[:-1] = turned / scale
-            if near and along and is_root(search.table, z, entries, _ROUNDED):
+            rounded = _ROUNDED + EPS * np.abs(turned).max()  # of large angles
+            if near and along and is_root(search.table, z, entries, rounded):
                 return self._pass_again(search.motion, known._replace(t=t, q=turned))
         return None
 

@@ -15,6 +15,7 @@ from codegen.driver import translate
 from codegen.generated_files.generated_file import Clock
 from codegen.lower.interpreter import evaluate
 from codegen.lower.lowered_scene import Lowered
+from codegen.lower.program import Op
 from codegen.reading.model_file import read_model
 from codegen.reading.scene_selection import valid_scenes
 from codegen.reduce.reduced_kernels import Reduced, reduce
@@ -254,3 +255,14 @@ def test_whole_turns_move_what_turns_with_the_angle(root: Path) -> None:
         assert_allclose(moved[column], 6.0 * math.pi, rtol=1e-12)
         places = [k for k, (*_, unit) in enumerate(both.told.coordinates) if unit == "m"]
         assert_allclose(moved[places], 0.0, atol=1e-15)
+
+
+def test_root_of_a_loop_and_quotient_are_taken_at_once(root: Path) -> None:
+    """1/(c √S) as √S/S/c: the division by S does not wait for the root."""
+    program = reduce(lowered(root, "slider_crank", "compressor")).program
+    (kernel,) = (k for k in program.kernels if k.name == "accelerations")
+    found = [program.values[number] for number in program.reachable(kernel)]
+    divisors = {value.args[1] for value in found if value.op is Op.DIV}
+    under_roots = {value.args[0] for value in found if value.op is Op.SQRT}
+    assert under_roots
+    assert under_roots <= divisors
