@@ -5,8 +5,7 @@ twice, and to more digits than it has. Here the argument is reduced once, to ±�
 parts (W. J. Cody and W. Waite, Software Manual for the Elementary Functions, 1980); sine and cosine
 are then the polynomials of fdlibm, without a branch: accurate to two units of the last digit, in
 7 ns instead of 9 to 12. Adding 1.5 2⁵² leaves a number without room for a fraction, which rounds
-it. An angle beyond a million is first brought within a turn, to 4e-16 rad, before other values are
-there to be kept over the calls.
+it.
 """
 
 from collections.abc import Iterator
@@ -21,7 +20,8 @@ SIN_COS_FUNCTION = f'''
 @numba.njit(**OPTIONS)
 def {SIN_COS}(x):
     """sin x and cos x: x = n π/2 + r with r in ±π/4, then polynomials in r."""
-    x = x if abs(x) < 1e6 else math.atan2(math.sin(x), math.cos(x))
+    if not abs(x) < 1e6:
+        return math.sin(x), math.cos(x)
     n = (x * 0.6366197723675814 + 6755399441055744.0) - 6755399441055744.0
     r = x - n * 1.5707963267341256 - n * 6.077100506303966e-11 - n * 2.0222662487959506e-21
     k = int(n)

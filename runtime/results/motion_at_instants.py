@@ -178,12 +178,13 @@ def _on_side(result: "Result", motion: Motion, times: FloatArray, side: str | No
         return times
     of_time = {function.title for function in result.description.time_functions}
     moved, width = times.copy(), _CLOSE * EPS * max(map(abs, (*motion.span, motion.t_end)))
-    for event in result.events:
+    exact = np.isin(times, [event.time for event in result.events])
+    for event in result.events if side == "after" else reversed(result.events):
         reach = width if event.name in of_time else 0.0
-        here = np.abs(times - event.time) <= reach
+        here = np.abs(times - event.time) <= np.where(exact, reach, width)
         if side == "after":
             moved[here] = np.nextafter(event.time, np.inf)
-        elif reach:
+        else:
             moved[here] = event.time - reach
     return moved
 
