@@ -147,6 +147,16 @@ def test_what_joints_keep_at_zero_is_on_its_boundary(workshop: Path, name: str) 
         assert plain.stats["steps"] < (40 if method == "dop853" else 250)  # 1650 and 1500 once
 
 
+@pytest.mark.parametrize("rtol", [1e-8, 5.6e-10, 1.15e-10])
+def test_rounding_of_what_joints_keep_shortens_no_steps(workshop: Path, rtol: float) -> None:
+    """Margins of a resting function are parts of the rounding that it is kept within."""
+    machine = load(slider_crank("kept_climb_mixed", KEPT["climb_mixed"][0]), folder=workshop)
+    run = machine.simulate(2.0, method="radau5", rtol=rtol, progress=False)
+    assert run.outcome is Outcome.OK
+    assert not run.events
+    assert run.stats["steps"] < 700  # 2500 and more once
+
+
 LEAVING = {"up": (1, 5.0), "down": (-1, -5.0)}
 
 
