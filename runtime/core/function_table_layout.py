@@ -7,6 +7,7 @@ also attributes of `context` in compiled code: ``context.modes``.
 """
 
 from collections.abc import Callable
+from functools import cached_property
 from math import prod
 from typing import Any, NamedTuple, cast
 
@@ -127,11 +128,15 @@ class _Allotted(dict[str, Any]):
     ) -> None:
         self.layout, self.table, self.block, self.starts = layout, table, block, starts
 
+    @cached_property
+    def slots(self) -> Integers:
+        """Of the arrays in the block."""
+        return np.array([self.layout.slots[name] for name in self.starts])
+
     def copied(self) -> "_Allotted":
         """The same with a table and a block of its own; arrays made elsewhere are shared."""
         table, block = self.table.copy(), self.block.copy()
-        slots = [self.layout.slots[name] for name in self.starts]
-        table[slots] += block.ctypes.data - self.block.ctypes.data
+        table[self.slots] += block.ctypes.data - self.block.ctypes.data
         other = _Allotted(self.layout, table, block, self.starts)
         other |= {name: array for name, array in self.items() if name not in self.starts}
         return other

@@ -203,7 +203,7 @@ class Changes:
         """
         if not self.largest.size:
             return True
-        square, rate, size = self.reduced.squares(t, q, v, self.taken.ready.p)
+        square, rate, size = self.taken.squares(t, q, v)
         self.largest = np.fmax(self.largest, size)
         far = (square > least * self.largest) & (2.0 * square > -rate * ahead)
         return bool(far.all())

@@ -122,6 +122,7 @@ class ReducedCoordinates(Coordinates):
         self.system, self.spreads = self.reduced.system, _spreads(ready)
         self.mobility, state = np.ones(len(begin.q)), (begin.t, begin.q, begin.v)
         self.first = self._problem(*state)
+        self.squares_at_start = self.reduced.squares(*state, ready.p)
         scale = self.first.scale
         self.mobility[self.reduced.kept] = np.where(np.isfinite(scale), scale, 1.0)
 
@@ -131,6 +132,12 @@ class ReducedCoordinates(Coordinates):
             return self._problem(t, q, v)
         first, ready = self.first, self.ready
         return first._replace(t_end=ready.t_end, p=first.p.copy(), stops=ready.stops)
+
+    def squares(self, t: float, q: FloatArray, v: FloatArray) -> tuple[FloatArray, ...]:
+        """Of the machine, see `Reduced.squares`."""
+        if q is self.begin.q and v is self.begin.v:
+            return self.squares_at_start
+        return self.reduced.squares(t, q, v, self.ready.p)
 
     def _problem(self, t: float, q: FloatArray, v: FloatArray) -> Problem:
         reduced, ready = self.reduced, self.ready

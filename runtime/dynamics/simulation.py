@@ -148,7 +148,8 @@ def run_prepared(
     ready, begin, equations = coordinates.ready, coordinates.begin, coordinates.equations
     works = works and bool(equations.description.work_rows)
     if works or run is None:
-        run = ready.run(coordinates, replace(options, quadrature=works), progress)
+        chosen = replace(options, quadrature=True) if works else options
+        run = ready.run(coordinates, chosen, progress)
     run = end_at_kink(equations, begin, run, ready.t_end - begin.t)
     run = end_at_jam(equations, run, ready.t_end - begin.t)
     result = _result(equations, run, ready, began, samples)
