@@ -56,7 +56,7 @@ GENERATOR = f"linkwright {codegen.__version__}"
 )  # fmt: skip
 def build(
     model: str | Path | Model, scene: str | Scene | Sequence[str | Scene] | None = None,
-    out: str | Path | None = None, *, settings: Mapping[str, float] | None = None,
+    out: str | Path | None = None, *, settings: Mapping[str, float | str] | None = None,
     tangents: bool = False, reduced: bool = False, picture: bool = False, check: bool = False,
     compile: bool = True,  # noqa: A002 (what it does)
     unroll: Unroll | None = "auto",
@@ -111,14 +111,15 @@ def build(
 @collection_paused()
 def _build(
     model: str | Path | Model, scene: str | Scene | Sequence[str | Scene] | None,
-    out: str | Path | None, settings: Mapping[str, float], requested: Mapping[str, bool],
+    out: str | Path | None, given: Mapping[str, float | str], requested: Mapping[str, bool],
     check: bool, compiled: bool, progress: Progress, unroll: Unroll | None,
 ) -> BuildReport:  # fmt: skip
     """All stages, from the file that is read to the machine code."""
     progress("reading the model")
     started = perf_counter()
     file = read_model(model)
-    declared = with_settings(file.model, settings)
+    declared = with_settings(file.model, given)
+    settings = {name: declared.parameters[name].value for name in given}
     reading = perf_counter() - started
     scenes = [without_overridden(s, settings) for s in valid_scenes(declared, scene)]
     folder = Path(out) if out is not None else default_folder(file)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def declared_picture(
-    model: "Model", scene: Any = None, parameters: Mapping[str, float] | None = None,
+    model: "Model", scene: Any = None, parameters: Mapping[str, float | str] | None = None,
     assembled: bool = True,
 ) -> Picture:  # fmt: skip
     """What a declared mechanism looks like.
@@ -32,7 +32,7 @@ def declared_picture(
     model, scene
         The declaration, and one of its scenes, by name or as a `Scene`; by default the first.
     parameters
-        Values by name, in the declared units, in place of the defaults.
+        Values by name, in SI units or as texts, ``"45 mm"``, in place of the defaults.
     assembled
         Whether the joints are closed, from the start values and guesses on, where they can be;
         False: the start values and guesses themselves, and whatever is open by them is open.

@@ -327,7 +327,7 @@ def disc(radius: Any, center: tuple[Any, Any] = (0, 0)) -> Outline:
     Parameters
     ----------
     radius
-        In m: a number, a parameter, or an expression of them.
+        In m: a number, a quantity, a parameter, or an expression of them.
     center
         (x', y') in the body's frame, m.
 
@@ -336,7 +336,7 @@ def disc(radius: Any, center: tuple[Any, Any] = (0, 0)) -> Outline:
     tuple of (x', y')
         The corners of a polygon with 48 sides.
     """
-    x, y = center
+    x, y, radius = (in_unit(length, "m") for length in (*center, radius))
     angles = (2.0 * pi * k / CORNERS for k in range(CORNERS))
     return tuple((x + radius * cos(angle), y + radius * sin(angle)) for angle in angles)
 
@@ -357,6 +357,6 @@ def rectangle(width: Any, height: Any, center: tuple[Any, Any] = (0, 0)) -> Outl
     tuple of (x', y')
         The four corners.
     """
-    x, y = center
-    a, b = width / 2, height / 2
+    x, y, a, b = (in_unit(length, "m") for length in (*center, width, height))
+    a, b = a / 2, b / 2
     return (x - a, y - b), (x + a, y - b), (x + a, y + b), (x - a, y + b)

@@ -134,7 +134,7 @@ def _why(misfit: KindError, value: object) -> str:
     """What a misfit says, and what to write in place of a value that is often given."""
     why = f" ({misfit})" if str(misfit) else ""
     if isinstance(value, str):
-        return f"{why}; text is never evaluated, so write it without quotes."
+        return f"; {misfit}."
     if isinstance(value, Body):
         name, turning = value.name, f" or {value.name}.phi" if value.turns else ""
         return f"{why}; a body is none, but its coordinates are, {name}.x, {name}.y{turning}."
@@ -363,7 +363,7 @@ class Reader:
     def overrides(
         self, values: Any, parameters: Mapping[str, ParameterDeclaration], where: str
     ) -> NamedValues:
-        """Values of parameters in their declared units."""
+        """Values of parameters, in SI units."""
         numbers = {}
         given = self.mapping(values, "parameters", "{'mass': 2.0}", where)
         for name, value in ((name_of(key), value) for key, value in given.items()):

@@ -66,7 +66,7 @@ class DeclarationReport:
 
 def check_declaration(
     model: str | Path | Model, scene: str | None = None, *,
-    settings: Mapping[str, float] | None = None, progress: Progress = lambda message: None,
+    settings: Mapping[str, float | str] | None = None, progress: Progress = lambda message: None,
 ) -> DeclarationReport:  # fmt: skip
     """Check a model and its scenes, or one of them.
 

@@ -90,7 +90,7 @@ class Model(Values, Scenes, Forces, Contacts):
     )  # fmt: skip
     def draw(
         self, scene: "str | Scene | None" = None, *,
-        parameters: "Mapping[str, float] | None" = None, assembled: bool = True,
+        parameters: "Mapping[str, float | str] | None" = None, assembled: bool = True,
         dimensions: bool = False, forces: bool = False, frames: bool = False, names: bool = True,
     ) -> "Figure":  # fmt: skip
         """Draw the machine as it is declared, before anything is built.
@@ -101,7 +101,7 @@ class Model(Values, Scenes, Forces, Contacts):
             Name of a scene, or a `Scene`; by default the first. Its joints, drivers and effects
             are drawn.
         parameters
-            Values by name, in the declared units, in place of the defaults.
+            Values by name, in SI units or as texts, ``"45 mm"``, in place of the defaults.
         assembled
             Whether the joints are closed first, from the start values and guesses on. Where they
             cannot be, and with False, the machine stands at its guesses, and a dashed line says

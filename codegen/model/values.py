@@ -14,7 +14,7 @@ from codegen.declare.state import Clock, State, Trigger
 from codegen.declare.symbols import Parameter, ParameterDeclaration, SignRule, Velocity
 from codegen.errors import TableWarning
 from codegen.model.base import Declarations
-from codegen.readers.quantities import is_si_unit, known_unit, si_factor
+from codegen.readers.quantities import converted, is_si_unit, known_unit, si_factor, si_unit
 from codegen.readers.values import one_line, shown
 from codegen.tables.period import misfit, with_closing_row
 from codegen.tables.piecewise_cubic import Beyond, Ends, Kind, Table, excess, fit
@@ -49,8 +49,9 @@ def _unused(periodic: bool, kind: str, beyond: str, ends: str) -> Iterator[str]:
 
 
 def are_units(units: Any) -> bool:
-    """Whether they are two SI units."""
-    return isinstance(units, tuple | list) and len(units) == 2 and all(map(is_si_unit, units))
+    """Whether they are two units, of which zero is zero in SI."""
+    known = isinstance(units, tuple | list) and len(units) == 2 and all(map(known_unit, units))
+    return known and all(math.isfinite(si_factor(unit)) for unit in units)
 
 
 class Values(Declarations):
@@ -62,10 +63,11 @@ class Values(Declarations):
         Parameters
         ----------
         value
-            The default: a number in `unit`, or a pint quantity that converts to it.
+            The default: a number in `unit`, or a text such as ``"45 mm"`` or a pint quantity that
+            converts to it.
         unit
-            A label in SI units such as ``"kg m^2"``; empty for a pure number. Values given at run
-            time are in it.
+            Such as ``"kg m^2"`` or ``"mm"``; empty for a pure number. It is the unit of this number
+            alone: equations, results and numbers given at run time are in SI.
         sign
             A rule that every value must obey; masses and inertias are positive by themselves.
         """
@@ -78,15 +80,15 @@ class Values(Declarations):
         sign = self._read.choice(sign, ("", "positive", "nonnegative"), f"{where}, sign")
         if not known_unit(unit):
             what = shown(unit)
-            self._note(f"{where}: the unit {what} is not known; use SI names, 'kg m^2'.")
+            such = "'mm', 'rpm' or 'kg m^2'"
+            self._note(f"{where}: the unit {what} is not known; write one such as {such}.")
             unit = ""
-        elif (factor := si_factor(unit)) != 1.0:
-            self._note(
-                f"{where}: {unit!r} is no SI unit (one of it is {factor:g} in SI); label the "
-                f"parameter with the SI unit, and give the value as a quantity in {unit}."
-            )
+        elif math.isnan(si_factor(unit)):
+            self._note(f"{where}: zero {unit} is not zero in SI; give another unit, such as K.")
             unit = ""
         number = self._read.number(value, unit, where)
+        if (si := si_unit(unit)) != unit:
+            number, unit = float(converted(number, unit, si)), si
         if self._claim("parameter", name):
             self.parameters[name] = ParameterDeclaration(name, number, unit, sign)
         return symbol
@@ -105,14 +107,15 @@ class Values(Declarations):
         Parameters
         ----------
         x, y
-            The points, x strictly ascending: numbers in `units`, or pint quantities. Two at least,
+            The points, x strictly ascending: numbers in `units`, or quantities. Two at least,
             three for ``"akima"``, four for ``"spline"``; of a periodic table one more.
         periodic
             Whether the function repeats; the last point is the first one, a period later. Over an
             angle the period is a whole number or a unit fraction of turns.
         units
-            SI units of x and y. What the table is called with, and what it stands for, is compared
-            with them where its unit is known: quantities, coordinates, velocities, t.
+            Units of the numbers of x and y, which become SI. What the table is called with, and
+            what it stands for, is compared with them where its unit is known: quantities,
+            coordinates, velocities, t.
         kind
             ``"pchip"``, for data: as monotone as these, no overshoot, a continuous slope.
             ``"linear"``: straight from point to point. ``"akima"``: rounder than pchip, with little
@@ -130,7 +133,7 @@ class Values(Declarations):
         """
         where = f"table '{name}'"
         if not are_units(units):
-            self._note(f"{where}: units={shown(units)}; give the SI units of x and y: ('s', 'm').")
+            self._note(f"{where}: units={shown(units)}; give the units of x and y: ('s', 'm').")
             units = ("", "")
         before = len(self.problems)
         periodic = self._read.flag(periodic, f"{where}: periodic")
@@ -139,12 +142,14 @@ class Values(Declarations):
         ends = self._read.choice(ends, ENDS, f"{where}: ends")
         repeats = periodic or period is not None
         fewest = FEWEST[kind] + (repeats and kind != "spline") - (period is not None)
+        given_units, units = units, (si_unit(units[0]), si_unit(units[1]))
         at, values = (
-            self._read.numbers(given, unit, where, axis, fewest)
-            for given, unit, axis in ((x, units[0], "x"), (y, units[1], "y"))
+            [*map(float, converted(self._read.numbers(given, unit, where, axis, fewest), unit, si))]
+            for given, unit, si, axis in zip((x, y), given_units, units, "xy", strict=True)
         )
         if period is not None:
-            length = self._read.finite(period, units[0], f"{where}: period")
+            length = self._read.finite(period, given_units[0], f"{where}: period")
+            length = float(converted(length, given_units[0], units[0]))
         if len(self.problems) == before:
             unused = _unused(repeats, kind, beyond, ends)
             try:

@@ -12,7 +12,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from codegen.errors import ModelError
-from codegen.readers.values import KindError, one_line, plain_float, shown
+from codegen.readers.values import KindError, finite_float, one_line, plain_float, shown
 
 if TYPE_CHECKING:
     import pint
@@ -29,6 +29,8 @@ FORM = r"^\s*[^<>\s][^<>]*[<>]\s*[^<>\s][^<>]*$"
 """The form of a condition for schemas; no two ways of it fit one text, so it is read in one go."""
 
 _LONGEST = 80  # safety: characters of a unit
+_SI_UNITS = ("1", "m", "kg", "s", "rad", "(rad/s)", "N", "J", "W", "Pa", "Hz", "A", "V", "K")
+_BEGINS_UNIT = re.compile(r"[\w%°(]")
 _NAME = r"[^\W\d]\w*|%|°"
 _EXPONENT = r"[+-]?(?:1?\d|20)(?:\.\d{1,4})?"
 _POWER = rf"(?:\^|\*\*) ?(?:{_EXPONENT}|[(] ?{_EXPONENT}(?: ?/ ?0?[1-9]\d?)? ?[)])"
@@ -99,6 +101,26 @@ def si_factor(unit: str) -> float:
     return float(one) if none == 0.0 else math.nan
 
 
+def si_unit(unit: str) -> str:
+    """The same product of powers in SI units: ``"N m/rad"`` for ``"N mm/deg"``."""
+    if si_factor(unit) == 1.0:
+        return unit
+    if re.fullmatch(_NAME, unit):
+        return _si_name(unit).strip("()").removeprefix("1")
+    return re.sub(_NAME, lambda name: _si_name(name[0]), unit)
+
+
+def _si_name(name: str) -> str:
+    """The SI unit that takes the place of one factor of a unit."""
+    one = registry().Quantity(1.0, pint_form(name))
+    turns = _exponent(one.to_root_units(), "radian")
+    for unit in _SI_UNITS:
+        other = _measured(1.0, unit)
+        if one.is_compatible_with(other) and _exponent(other.to_root_units(), "radian") == turns:
+            return unit
+    return f"({one.to_base_units().units:~C})".replace("**", "^")
+
+
 def is_si_unit(unit: object) -> bool:
     """Whether `unit` is a unit of SI, such as ``"kg m^2"``; the empty text is that of numbers."""
     return known_unit(unit) and si_factor(str(unit)) == 1.0
@@ -116,11 +138,20 @@ def is_quantity(value: object) -> bool:
 
 
 def in_unit(value: Any, unit: str) -> Any:
-    """A number, expression or quantity in the SI unit `unit`, empty for a pure number.
+    """A number, expression, quantity or text such as ``"45 mm"`` in `unit`, empty: a pure number.
 
-    All but quantities are taken to be in `unit`. Raises `UnitError` for a wrong dimension, and for
-    a frequency in the place of an angular velocity or the other way round.
+    All but quantities and texts are taken to be in `unit`. Raises `UnitError` for a wrong
+    dimension, and for a frequency in the place of an angular velocity or the other way round, and
+    `KindError` for a text that is no number with a unit.
     """
+    if isinstance(value, str):
+        parts = QUANTITY.fullmatch(value)
+        if parts is None or not _BEGINS_UNIT.match(parts[2] or ""):
+            raise KindError(
+                "text is never evaluated, so write it without quotes, or as a number and its unit, "
+                '"5 mm"'
+            )
+        return number_in(value, unit)
     if not is_quantity(value):
         if problem := _table_of_another_unit(value, unit):
             raise UnitError(problem)
@@ -129,10 +160,20 @@ def in_unit(value: Any, unit: str) -> Any:
     return magnitude if hasattr(magnitude, "free_symbols") else plain_float(magnitude)
 
 
-def metres(length: Any) -> Any:
-    """A quantity of a length in m; what is none is returned as it is, and told where it is used."""
+def finite_in_unit(value: Any, unit: str) -> float | None:
+    """The same as a finite float; None for what is none. Raises `UnitError`."""
     try:
-        return in_unit(length, "m") if is_quantity(length) else length
+        return finite_float(in_unit(value, unit))
+    except UnitError:
+        raise
+    except KindError:
+        return None
+
+
+def metres(length: Any) -> Any:
+    """A quantity of a length, or its text, in m; all else as it is, and told where it is used."""
+    try:
+        return in_unit(length, "m") if isinstance(length, str) or is_quantity(length) else length
     except KindError:
         return length
 
@@ -218,15 +259,16 @@ def _cycles_for_radians(value: Any, target: Any, unit: str) -> str | None:
     roots = value.to_root_units()
     given = _exponent(roots, "radian")
     wanted = _exponent(registry().Quantity(1, target).to_root_units(), "radian")
-    counts = any(
-        registry().parse_unit_name(name)[0][1] == "hertz" for name, _ in value.unit_items()
-    ) or _exponent(roots, "count")
+    names = {registry().parse_unit_name(name)[0][1] for name, _ in value.unit_items()}
+    is_rate = [*value.dimensionality] == ["[time]"]  # of which 1/min may mean revolutions
+    per_cycle = {"hertz", "minute", "hour"} if is_rate else {"hertz"}
+    counts = not names.isdisjoint(per_cycle) or _exponent(roots, "count")
     if wanted and given != wanted and counts:
         return (
             f"counts cycles, but {unit} counts radians, and a cycle is 2π of them; give a quantity "
             f"in rad/s or rpm, or 2*pi*rad times the frequency."
         )
-    if given and not wanted and [*value.dimensionality] == ["[time]"]:
+    if given and not wanted and is_rate:
         return (
             f"counts an angle, but {unit} does not, and a cycle may be meant or a radian; give the "
             f"unit rad/s to an angular velocity, and divide by 2*pi*rad for a frequency in {unit}."

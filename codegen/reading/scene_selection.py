@@ -17,11 +17,12 @@ from codegen.model import Model
 from codegen.model.base import TRACKED
 from codegen.model.bodies import FORMS
 from codegen.model.scene_requests import NONE
-from codegen.readers.values import finite_float, nearest, one_line, shown
+from codegen.readers.quantities import UnitError, finite_in_unit
+from codegen.readers.values import nearest, one_line, shown
 from codegen.reading.model_file import read_model
 
 
-def with_settings(model: Model, settings: Mapping[str, float]) -> Model:
+def with_settings(model: Model, settings: Mapping[str, float | str]) -> Model:
     """A copy of the model with the other defaults of ``--set``, which hold in every scene."""
     problems = []
     parameters = dict(model.parameters)
@@ -30,7 +31,13 @@ def with_settings(model: Model, settings: Mapping[str, float]) -> Model:
             problems.append(
                 f"model '{model.name}' has no parameter '{name}'; {nearest(name, model.parameters)}"
             )
-        elif (number := finite_float(value)) is None:
+            continue
+        try:
+            number = finite_in_unit(value, model.parameters[name].unit)
+        except UnitError as misfit:
+            problems.append(f"parameter '{name}': {misfit}")
+            continue
+        if number is None:
             what = shown(value)
             problems.append(f"parameter '{name}' is {what}; give a finite number.")
         elif problem := model.parameters[name].problem(number):
@@ -44,7 +51,7 @@ def with_settings(model: Model, settings: Mapping[str, float]) -> Model:
     return altered
 
 
-def without_overridden(scene: Scene, settings: Mapping[str, float]) -> Scene:
+def without_overridden(scene: Scene, settings: Mapping[str, float | str]) -> Scene:
     """The scene without its own values of the overridden parameters."""
     kept = tuple(pair for pair in scene.parameters if pair[0] not in settings)
     return replace(scene, parameters=kept)

@@ -49,7 +49,7 @@ def misfit(x: list[float], is_given: bool) -> str:
     return (
         f"it repeats after {period:.9g} rad, or {turns:.6g} turns; over an angle that is to be a "
         f"whole number of turns, up to {_MOST}, or a unit fraction of one: give {whole}, which "
-        "adds the row that closes the period, or numpy.radians(x) for abscissae in degrees."
+        'adds the row that closes the period, or units=("deg", ...) for abscissae in degrees.'
     )
 
 

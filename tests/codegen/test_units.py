@@ -1,6 +1,7 @@
 """Quantities in a declaration: converted to SI, cycles and radians told apart, zeros all alike."""
 
 import math
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -10,7 +11,10 @@ import pytest
 import sympy
 from pint import UnitRegistry, get_application_registry
 
-from codegen import Model, ModelError
+from codegen import Model, ModelError, ParameterError, disc
+from codegen.derive.equations import derive
+from codegen.emit.module import Origin, module_text
+from codegen.lower.lowered_scene import lower
 from codegen.readers.quantities import (
     COHERENT,
     UnitError,
@@ -18,8 +22,10 @@ from codegen.readers.quantities import (
     known_unit,
     pint_form,
     si_factor,
+    si_unit,
 )
-from codegen.reading.scene_selection import valid_scenes
+from codegen.readers.values import KindError
+from codegen.reading.scene_selection import valid_scenes, with_settings
 
 u = get_application_registry()
 
@@ -65,6 +71,96 @@ def test_cycles_and_radians_are_told_apart(quantity: Any, unit: str, why: str) -
     with pytest.raises(UnitError) as caught:
         in_unit(quantity, unit)
     assert str(caught.value).startswith(f"{quantity:g} {why}")
+
+
+TEXTS = [
+    ("45 mm", "m", 0.045), ("45mm", "m", 0.045), ("-3e-1 kN/mm", "N/m", -3e5), ("2 bar", "Pa", 2e5),
+    ("30 deg", "rad", math.pi / 6), ("30°", "rad", math.pi / 6), ("60 rpm", "rad/s", 2 * math.pi),
+    ("2 kHz", "Hz", 2000.0), ("60 1/min", "1/s", 1.0), ("5 %", "", 0.05), ("20 degC", "K", 293.15),
+    ("0.3 kg", "kg", 0.3), ("5 1/s", "rad/s", 5.0), ("60 1/min", "Hz", 1.0),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "unit", "number"), TEXTS)
+def test_texts_convert(text: str, unit: str, number: float) -> None:
+    assert in_unit(text, unit) == pytest.approx(number, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "5", "x", "2*pi", "3 * t", "1 / 2", "__import__('os')", "4,5 mm", "nan m"]
+)
+def test_other_texts_are_not_read(text: str) -> None:
+    with pytest.raises(KindError) as caught:
+        in_unit(text, "m")
+    assert not isinstance(caught.value, UnitError)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "why"),
+    [
+        ("30 kg", "rad", "30 kilogram has the dimension [mass], but rad is needed"),
+        ("60 Hz", "rad/s", "60 hertz counts cycles, but rad/s counts radians"),
+        ("60 1/min", "rad/s", "60 1 / minute counts cycles, but rad/s counts radians"),
+        ("60 rpm", "Hz", "60 revolutions_per_minute counts an angle, but Hz does not"),
+        ("3 blurb", "m", "'blurb' is no unit"),
+        ("3 m**9**9", "m", "'m**9**9' is no unit"),
+        ("1e999 mm", "m", "'1e999 mm' is not finite"),
+    ],
+)
+def test_texts_of_another_dimension_are_refused(text: str, unit: str, why: str) -> None:
+    with pytest.raises(UnitError) as caught:
+        in_unit(text, unit)
+    assert str(caught.value).startswith(why)
+
+
+@pytest.mark.parametrize(
+    ("unit", "si"),
+    [
+        ("mm", "m"), ("rpm", "rad/s"), ("deg", "rad"), ("bar", "Pa"), ("N mm/deg", "N m/rad"),
+        ("g cm^2", "kg m^2"), ("kWh", "J"), ("%", ""), ("kHz", "Hz"), ("1/min", "1/s"),
+        ("N m/rpm", "N m/(rad/s)"), ("l/min", "(m^3)/s"), ("kg m^2", "kg m^2"), ("", ""),
+    ],
+)  # fmt: skip
+def test_the_si_unit_of_a_unit(unit: str, si: str) -> None:
+    assert (si_unit(unit), si_factor(si)) == (si, 1.0)
+
+
+def test_a_declaration_takes_numbers_in_any_unit() -> None:
+    """Whatever the units, it is the declaration in SI."""
+
+    def declared(length: Any, speed: Any, mass: Any, inertia: Any, at: Any, units: Any) -> Model:
+        model = Model("units")
+        rod = model.parameter("rod", *length)
+        model.parameter("speed", *speed)
+        bar = model.body("bar", mass=mass, inertia=inertia, draw=disc(at))
+        model.revolute("hinge", model.ground.at(at, 0), bar.at(at, rod))
+        model.spring("spring", model.ground, bar.at(at, 0), units[4], free_length=at)
+        law = model.table("law", units[1], units[2], units=units[0], period=units[3], kind="linear")
+        model.torque("drive", on=bar, value=law(bar.phi))
+        model.scene("run", start={"bar.phi": units[5]}, parameters={"rod": at})
+        return model
+
+    given = declared(
+        (50, "mm"), ("60 rpm", "rad/s"), "300 g", "2 kg m mm", "25 mm",
+        (("deg", "kN m"), [0, 90, 180, 270], [0, 1, 2, 1], 360, "2 N/mm", "30 deg"),
+    )  # fmt: skip
+    angles = [0.0, math.pi / 2, math.pi, 3 * math.pi / 2]
+    si = declared(
+        (0.05, "m"), (2 * math.pi, "rad/s"), 0.3, 2e-3, 0.025,
+        (("rad", "N m"), angles, [0, 1000, 2000, 1000], 2 * math.pi, 2000.0, math.pi / 6),
+    )  # fmt: skip
+    assert given.parameters == si.parameters
+    origin = Origin("linkwright", (), "0" * 64, "build")
+    text, same = (
+        module_text(lower(derive(model, valid_scenes(model, None)[0])), origin)
+        for model in (given, si)
+    )
+    assert text == same
+    longer = with_settings(given, {"rod": "10 cm"})
+    assert longer.parameters["rod"].value == pytest.approx(0.1, rel=1e-15)
+    why = "parameter 'rod': 30 degree has the dimension dimensionless, but m is needed"
+    with pytest.raises(ParameterError, match=re.escape(why)):
+        with_settings(given, {"rod": "30 deg"})
 
 
 def problems_of(model: Model) -> str:
