@@ -3,10 +3,12 @@
 import io
 import shutil
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from codegen.errors import InputError
 from codegen.files.whole_files import whole_file
@@ -40,6 +42,22 @@ def terminal_width() -> int:
     return min(max(shutil.get_terminal_size((UNKNOWN, 24)).columns, NARROW), WIDE)
 
 
+_IN_PYPLOT: ContextVar[bool | None] = ContextVar("_IN_PYPLOT", default=None)
+
+
+@contextmanager
+def in_pyplot(wanted: bool = True) -> Iterator[None]:
+    """Whether pyplot shows and closes the figures that the block makes; the outermost one says.
+
+    What a user is given is in pyplot, what is made for a file is not.
+    """
+    token = _IN_PYPLOT.set(wanted if _IN_PYPLOT.get() is None else _IN_PYPLOT.get())
+    try:
+        yield
+    finally:
+        _IN_PYPLOT.reset(token)
+
+
 def new_figure(purpose: str, width: float, height: float, **options: Any) -> "Figure":
     """An empty figure for a "plot", "picture" or "report", sizes in inches."""
     try:
@@ -51,14 +69,28 @@ def new_figure(purpose: str, width: float, height: float, **options: Any) -> "Fi
         ) from error
 
     class NotebookFigure(Figure):
-        """A figure that a notebook shows as a picture, whichever backend is in force."""
+        """A figure that a notebook shows as a picture, once, unless it stands in a window."""
 
-        def _repr_png_(self) -> bytes:
+        def _ipython_display_(self) -> None:
+            from IPython import display
+            from matplotlib import pyplot
+            from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+            manager, notebook = self.canvas.manager, cast(Any, display)  # which has no types
+            if manager is not None and pyplot.fignum_exists(manager.num):
+                if type(self.canvas) is not FigureCanvasAgg:
+                    return
+                pyplot.close(self)  # else the inline backend shows it at the end of the cell, too
             stream = io.BytesIO()
             self.savefig(stream, format="png", dpi=_RESOLUTION)
-            return stream.getvalue()
+            notebook.display(notebook.Image(stream.getvalue()))
 
-    return NotebookFigure(figsize=(width, height), layout="constrained", **options)
+    options |= {"figsize": (width, height), "layout": "constrained"}
+    if not _IN_PYPLOT.get():
+        return NotebookFigure(**options)
+    from matplotlib import pyplot
+
+    return pyplot.figure(FigureClass=NotebookFigure, **options)
 
 
 def finish_axes(axes: "Axes", **grid: Any) -> None:

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from codegen.errors import InputError
 from codegen.object_display import counted, html_of, html_table
+from codegen.presentation import in_pyplot
 from codegen.readers.calls import checked_class
 from codegen.readers.values import shown
 from runtime.core.arrays import Vector
@@ -213,6 +214,7 @@ class MachineStates:
             q, v = start.q, start.v
         return initial_modes(self.mechanism.system, t, q, v, p)
 
+    @in_pyplot()
     @shows_compilation
     def draw(
         self, at: "float | State | Assembly | Result" = 0.0, *, parameters: Values | None = None,

@@ -19,6 +19,7 @@ from codegen.model.forces import Forces
 from codegen.model.scenes import Scenes
 from codegen.model.values import Values
 from codegen.object_display import html_of, html_table
+from codegen.presentation import in_pyplot
 from codegen.readers import arguments as readers
 from codegen.readers.calls import declaring, named_attributes
 from codegen.readers.values import one_line, shown
@@ -83,6 +84,7 @@ class Model(Values, Scenes, Forces, Contacts):
         """What is declared, for the prompt of IPython."""
         printer.text(repr(self) if cycle else str(self))
 
+    @in_pyplot()
     @readers.reads(
         scene=readers.optional(readers.scene),
         parameters=readers.optional(readers.values('{"L": 1.2}')), assembled=readers.flag,

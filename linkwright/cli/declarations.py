@@ -255,7 +255,7 @@ def draw(
     as_json: Json = False,
 ) -> None:  # fmt: skip
     """Draw a machine as it is declared, at its start or at an instant, into a file."""
-    from codegen.presentation import check_picture, save_picture
+    from codegen.presentation import check_picture, in_pyplot, save_picture
 
     check_picture(out)
     if guesses and t is not None:
@@ -264,7 +264,7 @@ def draw(
         "parameters": parameters(settings), "dimensions": dimensions, "forces": forces,
         "frames": frames, "names": names,
     }  # fmt: skip
-    with progress_shown("drawing"):
+    with progress_shown("drawing"), in_pyplot(False):
         if t is None:
             from codegen.reading.model_file import read_model
 

@@ -179,7 +179,7 @@ def sweep(
     picture: Path | None = output(None, "Picture of the first quantity: .png, .svg or .pdf."),
 ) -> None:  # fmt: skip
     """Run a scene for many values of its parameters, into a Zarr store; it can be resumed."""
-    from codegen.presentation import check_picture, save_picture
+    from codegen.presentation import check_picture, in_pyplot, save_picture
     from runtime.sweeps.sweep import sweep as make
 
     request.own.pop("picture", None)
@@ -199,7 +199,8 @@ def sweep(
     for line in repr(done).splitlines():
         write_line(line)
     if picture is not None and done.complete:
-        save_picture(done.plot(), picture)
+        with in_pyplot(False):
+            save_picture(done.plot(), picture)
         write_line(f"  Saved: {picture}")
     if request.as_json:
         print_json({"ok": good, **done.facts()})

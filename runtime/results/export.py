@@ -5,7 +5,7 @@ The table of a .csv or .parquet file has one column a series, its unit in bracke
 
 import re
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -14,6 +14,7 @@ import numpy as np
 
 from codegen.errors import InputError
 from codegen.files.whole_files import require_replaceable, whole_file, whole_folder
+from codegen.object_display import without_rounding
 from runtime.results.dataset import dataset
 from runtime.results.result import Result
 from runtime.results.samples import FloatArray
@@ -111,6 +112,22 @@ def frame(result: Result) -> "pd.DataFrame":
     found = pd.DataFrame(values, pd.Index(values.pop("time"), name="time"))
     found.attrs["units"] = {name: unit for name, unit, _ in columns(result)}
     return found
+
+
+def short_table(result: Result, names: Sequence[str], count: int) -> "pd.DataFrame":
+    """See `Result.table`."""
+    import pandas as pd
+
+    about, last = result.description, len(result.t) - 1
+    names = names or [*(row.name for row in about.positions), *about.states.names]
+    rows = np.unique(np.linspace(0, last, max(count, 2)).round().astype(int))[: last + 1]
+    found = dict[str, list[float]]()
+    for name in names:
+        x, unit = result.series(name)
+        ends = [x.min(), x.max()] if len(x) else []
+        found[f"{name} [{unit}]"] = without_rounding([*x[rows], *ends])
+    labels = [f"{t:.6g}" for t in result.t[rows]] + ["least", "greatest"][: 2 * len(rows)]
+    return pd.DataFrame(found, pd.Index(labels, name="time [s]"))
 
 
 def _write_csv(result: Result, path: Path) -> None:

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from codegen import __version__
 from codegen.errors import InputError
 from codegen.object_display import counted
+from codegen.presentation import in_pyplot
 from codegen.readers import arguments as readers
 from codegen.readers.calls import checked_class, named_attributes
 from runtime.core.outcomes import Outcome
@@ -142,6 +143,25 @@ class Result(TimeSeries):
 
         return frame(self)
 
+    def table(self, *names: str, count: int = 11) -> "pd.DataFrame":
+        """Series at a few instants, then the least and greatest value of all samples, to read.
+
+        Parameters
+        ----------
+        names
+            As in `series`; without any, the coordinates and states.
+        count
+            How many instants, from the first sample to the last.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row an instant, labelled by it in s; the column of a series names its unit.
+        """
+        from runtime.results.export import short_table
+
+        return short_table(self, names, count)
+
     @readers.reads(path=readers.path)
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write to a file, whole or not at all.
@@ -249,6 +269,7 @@ class Result(TimeSeries):
         result: Result = found
         return result
 
+    @in_pyplot()
     def plot(self, *names: str) -> "Figure":
         """Draw series over time, those of one unit in one panel, as `at` has them.
 
@@ -256,6 +277,12 @@ class Result(TimeSeries):
         ----------
         names
             As in `series`; without any, the coordinates that are angles.
+
+        Returns
+        -------
+        Figure
+            Of Matplotlib's pyplot: ``plt.show()`` shows it in a script, ``plt.close(figure)`` drops
+            it, ``figure.savefig("run.png")`` saves it; a notebook shows it below the cell.
 
         Raises
         ------
@@ -266,6 +293,7 @@ class Result(TimeSeries):
 
         return plot(self, names)
 
+    @in_pyplot()
     @readers.reads(
         t=readers.optional(readers.number("a finite number, an instant in s")),
         **dict.fromkeys(("dimensions", "forces", "frames", "names"), readers.flag),

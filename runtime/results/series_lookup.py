@@ -28,6 +28,10 @@ class TimeSeries:
     works: dict[str, FloatArray]
     analysis: str
 
+    def __getitem__(self, name: str) -> FloatArray:
+        """A column by any of its names, in SI units, as in `series`."""
+        return self.series(name)[0]
+
     def q(self, name: str) -> FloatArray:
         """A coordinate over time.
 

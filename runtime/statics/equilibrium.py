@@ -163,10 +163,9 @@ class Equilibrium(Result):
         tail = f"; natural frequencies {found} Hz" if found else ""
         return f"{super().__repr__()}\n  equilibrium  {self.stability}{tail}"
 
-    def __getitem__(self, name: str) -> float:
-        """Value of a coordinate or a state by name."""
-        is_state = type(name) is str and name in self.description.states.names
-        return float((self.y if is_state else self.q)(name)[0])
+    def __getitem__(self, name: str) -> float:  # type: ignore[override]
+        """Value of a series by name, in SI units: a coordinate, a state, a reaction."""
+        return float(self.series(name)[0][0])
 
     def facts(self) -> dict[str, Any]:
         """As of any result, and the stability."""

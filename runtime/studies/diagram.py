@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from codegen.object_display import counted
-from codegen.presentation import milliseconds, new_table, shortened
+from codegen.presentation import in_pyplot, milliseconds, new_table, shortened
 from codegen.readers.calls import checked_class
 from runtime.accuracy_target.error_norms import Errors, Scale
 from runtime.studies.answer import Answer, titled
@@ -155,6 +155,7 @@ class WorkPrecision(Answer):
         """The line of a setting, by its title."""
         return titled("setting", {line.setting.title: line for line in self.lines}, title)
 
+    @in_pyplot()
     def plot(self) -> "Figure":
         """Draw the error of every setting over the time that it takes.
 

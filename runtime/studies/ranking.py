@@ -7,7 +7,7 @@ from enum import StrEnum
 from operator import attrgetter, sub
 from typing import TYPE_CHECKING
 
-from codegen.presentation import new_table, shortened
+from codegen.presentation import in_pyplot, new_table, shortened
 from codegen.readers.calls import checked_class
 from runtime.studies.answer import Answer, titled
 from runtime.studies.harness import LEFT_OUT
@@ -127,6 +127,7 @@ class Matters(Answer):
         """The row of an effect, or of ``"rod as link"``."""
         return titled("effect", {row.title: row for row in self.rows}, title)
 
+    @in_pyplot()
     def plot(self) -> "Figure":
         """Draw what each effect changes, and its share of the time.
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from codegen.errors import InputError, UnknownNameError
 from codegen.object_display import counted, html_of, html_table, listed
+from codegen.presentation import in_pyplot
 from codegen.readers import arguments as readers
 from codegen.readers.calls import checked_class, named_attributes
 from codegen.readers.values import KindError, shown
@@ -209,6 +210,7 @@ class Study:
 
         return indices_of(self, self._quantity(quantity), seed)
 
+    @in_pyplot()
     def plot(self, quantity: str | None = None) -> "Figure":
         """A quantity over the factors: a curve of one, a map of two, parallel axes of more.
 

@@ -148,12 +148,6 @@ def test_model(pointed: Model) -> None:
     assert lines[:3] == ["Model 'pointed'", "bodies stone", "effects gravity, wind"]
 
 
-def test_figure(pendulum: Machine) -> None:
-    """A figure is a picture in a notebook, also where nothing has loaded pyplot."""
-    picture = pendulum.simulate(0.1, 3).plot("bar.phi")._repr_png_()  # type: ignore[attr-defined]
-    assert picture.startswith(b"\x89PNG")
-
-
 def test_ranking(pointed: Model, tmp_path: Path) -> None:
     scene = pointed.scenes["windy"].with_("gravity")
     found = matters(pointed, scene, asked="stone.x", t_end=1.0, folder=tmp_path)

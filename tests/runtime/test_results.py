@@ -132,3 +132,22 @@ def test_plot_without_matplotlib_says_what_to_install(
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     with pytest.raises(InputError, match=r"pip install 'linkwright\[plot\]', in the checkout"):
         result.plot()
+
+
+def test_a_series_by_its_name(result: Result) -> None:
+    for name in ("crank.phi", "crank.omega", "a(crank.phi)", "A.fx", "kinetic"):
+        np.testing.assert_array_equal(result[name], result.series(name)[0])
+    with pytest.raises(InputError, match=r"crank\.phi"):
+        result["crank.fi"]
+
+
+def test_a_table_to_read(result: Result) -> None:
+    table = result.table("crank.phi", "A.fx", count=3)
+    assert [*table.columns] == ["crank.phi [rad]", "A.fx [N]"]
+    assert [*table.index] == ["0", "0.5", "1", "least", "greatest"]
+    forces = result.reaction("A", "fx")
+    ends = [*forces[[0, 5, 10]], forces.min(), forces.max()]
+    np.testing.assert_array_equal(table["A.fx [N]"], ends)
+    assert len(result.at(0.3).table()) == 3
+    first = [f"{row.name} [{row.unit}]" for row in result.description.positions]
+    assert [*result.table()] == first
