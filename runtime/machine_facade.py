@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
-from codegen.errors import InputError
 from codegen.readers.calls import checked_class, named_attributes
 from runtime.machine_states import MachineStates
 from runtime.mechanism.mechanism import Values
-from runtime.processors import available_cores
 from runtime.progress_bar import bar, shows_compilation
-from runtime.validation.arguments import check, instants_of_motion, uniform
+from runtime.validation.arguments import check, instants_of_motion
 from runtime.validation.scene_support import refuse_states, require_energy, require_motion
 
 if TYPE_CHECKING:
@@ -26,7 +24,7 @@ if TYPE_CHECKING:
     from runtime.results.assembled_state import Assembly, State
     from runtime.results.result import Result
     from runtime.statics.equilibrium import Equilibrium
-    from runtime.sweeps.ensemble import Columns
+    from runtime.sweeps.ensemble_arguments import Columns
 
 # arguments of `simulate` that choose between given tolerances and a search for an accuracy
 _SETTINGS = ("accuracy", "rtol", "atol", "quantities", "method", "formulation")
@@ -173,23 +171,28 @@ class Machine(MachineStates):
 
     @shows_compilation
     def ensemble(
-        self, t_end: float, t_eval: "npt.ArrayLike | int | None" = None, *,
+        self, t_end: "float | npt.ArrayLike | None" = None,
+        t_eval: "npt.ArrayLike | int | None" = None, *, analysis: str = "simulate",
         parameters: "Columns | None" = None, starts: "Columns | None" = None,
-        t_start: float = 0.0, method: str | None = None, rtol: float | None = None,
+        guesses: "Columns | None" = None, t_start: float = 0.0,
+        method: str | None = None, rtol: float | None = None,
         atol: float | None = None, max_step: float | None = None, max_steps: int | None = None,
         threads: int | None = None, max_bytes: int = 2**31, progress: bool = True,
     ) -> "xr.Dataset":  # fmt: skip
         """Many runs of this machine, in several threads, as rows of one dataset.
 
-        Each has the numbers of `simulate` with its values, to the last bit.
+        Each has the numbers of the single analysis with its values, to the last bit.
 
         Parameters
         ----------
         t_end, t_eval, t_start, method, rtol, atol, max_step, max_steps
-            As `simulate` takes them, the same for all runs; no "steps".
-        parameters, starts
-            Values by name, declared units or SI units: a number for all runs, or an array with one
-            for each, (r,). At least one is an array.
+            As the analysis takes them, the same for all runs; no "steps".
+        analysis
+            "simulate", "kinematics" or "inverse_dynamics".
+        parameters, starts, guesses
+            Values by name, declared units or SI units, as the `parameters`, `start` and `guess` of
+            the analysis: a number for all runs, or an array with one for each, (r,). At least one
+            is an array.
         threads
             How many there are, by default one for each core that the process may use; 1: the runs
             are made in the thread that calls.
@@ -207,33 +210,27 @@ class Machine(MachineStates):
         Raises
         ------
         InputError
-            If names, shapes, lengths or values make no sense, joints come and go in the scene, or
-            the dataset would be larger than `max_bytes`.
+            If names, shapes, lengths or values make no sense, joints come and go in the simulated
+            scene, or the dataset would be larger than `max_bytes`.
         AnalysisError
-            If the scene has no masses.
+            If the scene has no masses, or the drivers of a driven motion leave freedom whatever
+            the values.
 
         Examples
         --------
         >>> m = lw.load("pendulum.py", scene="swing")
         >>> m.ensemble(10.0, 101, parameters={"length": np.linspace(0.5, 2.0, 1000)})
+        >>> m = lw.load("four_bar", "inverse_dynamics")
+        >>> many = m.ensemble(1.0, analysis="inverse_dynamics", parameters={"AB": [0.8, 1.0]})
+        >>> many["reaction"].sel(joint="crank_drive", component="tau")  # N m, over run and time
         """
-        given = {**locals(), "parameters": None}  # which are read as arrays
+        given = locals()
         from runtime.sweeps.ensemble import run_ensemble
+        from runtime.sweeps.ensemble_arguments import read_ensemble
 
-        require_motion(self.mechanism, "ensemble")
-        given = check(self.mechanism, given)
-        times = given.pop("t_eval")
-        if isinstance(times, str):
-            raise InputError('ensemble: t_eval = "steps" differs between runs; give instants.')
-        last, first = given.pop("t_end"), given["t_start"]
-        if times is None or isinstance(times, int):
-            times = uniform(first, last, times)
-        most, threads = given.pop("max_bytes"), given.pop("threads") or available_cores()
+        given = read_ensemble(self.mechanism, given)
         with bar(f"ensemble of {self.mechanism.title}", given.pop("progress")) as report:
-            said = {name: value for name, value in given.items() if value is not None}
-            return run_ensemble(
-                self.mechanism, last, times, parameters, starts, threads, most, report, **said
-            )
+            return run_ensemble(self.mechanism, **given, progress=report)
 
     @shows_compilation
     def kinematics(

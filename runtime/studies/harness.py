@@ -26,8 +26,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 from codegen import __version__
 from codegen.errors import AnalysisError, InputError
 from codegen.readers import arguments as readers
-from codegen.readers.values import KindError
-from runtime.core.kinds import ANALYSES, analysis_name, analysis_title
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.connected_simulation import simulate
 from runtime.dynamics.output_conditions import read_conditions, simulate_until
@@ -38,7 +36,7 @@ from runtime.machine_loading import load
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
-from runtime.validation.arguments import KINDS, check
+from runtime.validation.arguments import KINDS, check, refuse_integration
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
@@ -62,19 +60,11 @@ _OF_THE_STUDY = {
 }
 
 
-def _analysis(value: Any) -> str:
-    """The name of an analysis, in its usual spelling."""
-    name = analysis_name(value) if isinstance(value, str) else ""
-    if name not in ANALYSES:
-        raise KindError(f"it must be the name of an analysis: {', '.join(ANALYSES)}.")
-    return name
-
-
 READERS = {name: KINDS[name] for name in ("parameters", "guess", "t_start")} | {
     "model": readers.model, "scene": readers.optional(readers.scene),
     "folder": readers.optional(readers.path), "generated": readers.optional(readers.path),
     "t_end": readers.optional(KINDS["t_end"]), "start": KINDS["parameters"],
-    "analysis": readers.optional(_analysis), "progress": readers.study_reporter,
+    "analysis": readers.optional(KINDS["analysis"]), "progress": readers.study_reporter,
 }  # fmt: skip
 """Arguments that studies take."""
 
@@ -189,11 +179,8 @@ def read_simulation_arguments(
     if until is not None:
         read_conditions(machine.description, until)
         words["until"] = until
-    if words and analysis != "simulate":
-        raise InputError(
-            f"{machine.description.title}: {analysis_title(analysis)} integrates nothing, so "
-            f"{', '.join(words)} would be ignored. Leave out what a simulation takes."
-        )
+    if analysis != "simulate":
+        refuse_integration(machine.description.title, analysis, words)
     return words
 
 

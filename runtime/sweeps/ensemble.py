@@ -4,31 +4,29 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from contextlib import suppress
 from copy import copy
+from functools import partial
 from threading import Event
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
-from codegen.errors import InputError, LinkwrightError
-from codegen.readers.values import KindError, shown
+from codegen.errors import AnalysisError, InputError, LinkwrightError
 from codegen.termination_signals import SignalDeferral
 from runtime.core.arrays import Vector
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import leave_out_unknown
 from runtime.dynamics.simulation import simulate_joints
 from runtime.mechanism.mechanism import Mechanism
-from runtime.mechanism.table_rows import unknown
 from runtime.progress_bar import Progress, silent
 from runtime.results.dataset import dataset, require_dask
 from runtime.results.result import Result
 from runtime.results.samples import Samples, empty_samples, require_memory, sample_bytes
+from runtime.sweeps.ensemble_arguments import DRIVEN, Columns, Members, read_members
 from runtime.sweeps.ensemble_arrays import (
     DONE,
     LEFT,
     WAITING,
-    Members,
     Preparation,
     Results,
     prepare,
@@ -38,8 +36,6 @@ from runtime.sweeps.ensemble_loop import run_members
 if TYPE_CHECKING:
     import xarray as xr
 
-Columns = Mapping[str, npt.ArrayLike]
-"""Values by name: a number for all members, or an array with one for each, (r,)."""
 NOT_RUN = "not run"
 """The outcome of a member that an interruption left out."""
 _BLOCK = 32  # measured: members that a thread takes at a time, at most
@@ -57,13 +53,13 @@ _MEGABYTE = 1e6  # formula: bytes of a megabyte
 
 
 def run_ensemble(
-    mechanism: Mechanism, t_end: float, times: Vector, parameters: Columns | None,
-    starts: Columns | None, threads: int, max_bytes: int, progress: Progress, **options: Any,
+    mechanism: Mechanism, t_end: float, times: Vector, columns: Mapping[str, Columns | None],
+    analysis: str, threads: int, max_bytes: int, progress: Progress, **options: Any,
 ) -> "xr.Dataset":  # fmt: skip
-    """One row a member; see `Machine.ensemble`. `options` are those of `simulate`."""
-    members, title = read_members(mechanism, parameters, starts), f"{mechanism.title}: ensemble"
+    """One row a member; see `Machine.ensemble`. `options` are those of the analysis."""
+    members, title = read_members(mechanism, **columns), f"{mechanism.title}: ensemble"
     require_dask()
-    if any(row.reconnects for row in mechanism.description.watched):
+    if analysis == "simulate" and any(row.reconnects for row in mechanism.description.watched):
         raise InputError(
             f"{title}: joints come and go in this scene, and its runs do not have the same "
             "variables. Use a sweep."
@@ -77,74 +73,21 @@ def run_ensemble(
         )
     # The dataset is made while the samples that it is made of are still there.
     require_memory(title, what, 2 * needed, "Take fewer instants or runs.")
-    runs = Runs(mechanism, t_end, members, times, options)
+    runs = Runs(mechanism, t_end, members, times, options, analysis)
     with suppress(KeyboardInterrupt):  # members that were not run say so
         make_runs(runs, runs.make_pattern(), threads, progress)
     return runs.dataset()
 
 
-def read_members(
-    mechanism: Mechanism, parameters: Columns | None, starts: Columns | None
-) -> Members:
-    """The members; raises InputError with every name, shape, length and value that misfits."""
-    description = mechanism.description
-    states = (*description.coordinates.names, *(row.velocity for row in description.coordinates))
-    problems, lengths = list[str](), dict[str, int]()
-    found = dict[str, Vector](), dict[str, Vector]()
-    tables: tuple[tuple[str, str, Any, tuple[str, ...]], ...] = (
-        ("parameters", "parameter", parameters, description.parameters.names),
-        ("starts", "coordinate or velocity", starts, states),
-    )
-    for columns, (argument, kind, given, names) in zip(found, tables, strict=True):
-        if given is not None and not isinstance(given, Mapping):
-            problems.append(f"{argument} is {shown(given)}; it must be arrays by name.")
-            continue
-        for name, values in (given or {}).items():
-            label = f"{argument}[{name!r}]"
-            try:
-                if name not in names:
-                    raise KindError(unknown(kind, name, names))
-                columns[name] = column = _column(values)
-                lengths |= {label: len(column)} if column.ndim else {}
-            except KindError as misfit:
-                problems.append(f"{label}: {misfit}")
-    if len({*lengths.values()}) > 1:
-        named = ", ".join(f"{label} has {length}" for label, length in lengths.items())
-        problems.append(
-            f"the arrays disagree on the number of members: {named}. Give them one length."
-        )
-    if not lengths and not problems:
-        problems.append(
-            "no array says how many members there are: give at least one parameter or start value "
-            "as an array, one value a member."
-        )
-    if problems:
-        raise InputError([f"{mechanism.title}: ensemble: {problem}" for problem in problems])
-    count = next(iter(lengths.values()))
-    whole = ({k: np.broadcast_to(x, (count,)) for k, x in columns.items()} for columns in found)
-    return Members(count, *whole)
+def _single_run(
+    mechanism: Mechanism, analysis: str, t_end: float, times: Vector
+) -> Callable[..., Result]:
+    """The analysis of one member."""
+    if analysis == "simulate":
+        return partial(simulate_joints, mechanism, t_end, times)
+    from runtime.dynamics import prescribed_motion  # which compiles where it is used
 
-
-def _column(values: npt.ArrayLike) -> Vector:
-    """A number or one dimension of finite ones; KindError says what is wrong with it."""
-    try:
-        array = np.asarray(values)
-    except (TypeError, ValueError):
-        array = np.asarray(None)
-    if array.dtype.kind not in "iuf":
-        raise KindError(f"{shown(values)}; it must be numbers.")
-    if array.ndim > 1 or array.size == 0:
-        raise KindError(
-            f"the shape is {array.shape}; it must be a number, or one number a member, (runs,)."
-        )
-    column = array.astype(np.float64)
-    wrong = np.flatnonzero(~np.isfinite(column))
-    if len(wrong):
-        raise KindError(
-            f"{column.flat[wrong[0]]:g} in member {wrong[0]}, and not finite in {len(wrong)} of "
-            f"{column.size}; give finite numbers."
-        )
-    return column
+    return partial(getattr(prescribed_motion, analysis), mechanism, times)
 
 
 class Runs:
@@ -152,9 +95,10 @@ class Runs:
 
     def __init__(
         self, mechanism: Mechanism, t_end: float, members: Members, times: Vector,
-        options: Mapping[str, Any],
+        options: Mapping[str, Any], analysis: str = "simulate",
     ) -> None:  # fmt: skip
         self.mechanism, self.t_end, self.options = mechanism, t_end, options
+        self.analysis, self.analyse = analysis, _single_run(mechanism, analysis, t_end, times)
         self.members, self.times, self.shape = members, times, (members.count, len(times))
         self.outcomes, self.messages = [NOT_RUN] * members.count, [""] * members.count
         every = empty_samples(mechanism.description, members.count * len(times))
@@ -172,17 +116,16 @@ class Runs:
         self.made: Preparation | None = None  # what the compiled loop takes
 
     def make(self, run: int, progress: Progress = silent) -> Result | None:
-        """Make the run of a member by `simulate`; None where it is refused.
+        """Make the run of a member by a single analysis; None where it is refused.
 
-        Raises KeyboardInterrupt where the run was interrupted; its row is kept.
+        Raises KeyboardInterrupt where the run was interrupted; its row is kept. Raises
+        AnalysisError where no values of members suit the analysis.
         """
-        parameters, start = self.members.of(run)
         try:
-            result = simulate_joints(
-                self.mechanism, self.t_end, self.times, parameters=parameters, start=start,
-                progress=progress, **self.options,
-            )  # fmt: skip
+            result = self.analyse(**self.members.of(run), progress=progress, **self.options)
         except LinkwrightError as error:
+            if isinstance(error, AnalysisError) and self._suits_no_values:
+                raise
             self.outcomes[run], self.messages[run] = type(error).__name__, str(error)
             return None
         if self.first is None:
@@ -202,13 +145,22 @@ class Runs:
             raise KeyboardInterrupt
         return result
 
+    @property
+    def _suits_no_values(self) -> bool:
+        """Whether the scene lacks what the analysis needs, whatever the values of a member."""
+        about = self.mechanism.description
+        is_free = len(about.constraints) < len(about.coordinates)
+        if self.analysis in DRIVEN and (is_free or about.rigid):
+            return True
+        return self.analysis != "kinematics" and not about.has_masses
+
     def make_pattern(self) -> int:
         """Make runs up to the first that ends well, the pattern of the others; what follows it."""
         for run in range(self.members.count):
             result = self.make(run)
             if result is not None and result.outcome is Outcome.OK:
                 given = self.mechanism, self.t_end, self.times, self.members, run, result
-                self.made = prepare(*given, self.options)
+                self.made = prepare(*given, self.options) if self.analysis == "simulate" else None
                 return run + 1
         return self.members.count
 
@@ -222,18 +174,22 @@ class Runs:
             self.reached[done] = True
             for run in np.flatnonzero(done).tolist():
                 self.outcomes[run] = str(Outcome.OK)
-                self.messages[run] = self.made.message(results, run, members.of(run)[1])
+                self.messages[run] = self.made.message(results, run, members.of(run)["start"])
         variables: dict[str, Any] = {
             "outcome": ("run", np.array(self.outcomes, dtype=np.str_)),
             "message": ("run", np.array(self.messages, dtype=np.str_)),
             "event_count": ("run", results.events, {"units": "1"}),
         }
-        for kind, columns in ("parameter", members.parameters), ("start", members.starts):
+        of_kinds = members.parameters, members.starts, members.guesses
+        for kind, columns in zip(("parameter", "start", "guess"), of_kinds, strict=True):
             variables |= {f"{kind}_{name}": ("run", column) for name, column in columns.items()}
         coords: dict[str, Any] = {
             "run": np.arange(members.count), "time": ("time", self.times, {"units": "s"})
         }  # fmt: skip
+        about = self.mechanism.description
+        attrs = {"model": about.model, "scene": about.scene}
         if self.first is not None:
+            attrs["analysis"] = self.first.analysis
             whole, size = copy(self.first), self.reached.size
             whole.samples = Samples._make(x.reshape(size, *x.shape[2:]) for x in results.samples)
             whole.works = {name: work.ravel() for name, work in self.works.items()}
@@ -245,7 +201,7 @@ class Runs:
                 values[~self.reached.ravel()] = np.nan
                 values = values.reshape(*self.shape, *values.shape[1:])
                 variables[str(name)] = ("run", *variable.dims), values, variable.attrs
-        return xr.Dataset(variables, coords=coords)
+        return xr.Dataset(variables, coords=coords, attrs=attrs)
 
 
 def make_runs(runs: Runs, first: int, threads: int, progress: Progress) -> None:

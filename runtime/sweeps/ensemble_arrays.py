@@ -1,7 +1,6 @@
 """The arrays of the compiled loop over the members of an ensemble, and how they are made."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,28 +33,12 @@ from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.typical_sizes import start_table
 from runtime.results.result import Result
 from runtime.results.samples import Samples
+from runtime.sweeps.ensemble_arguments import Members
 from runtime.validation.scene_support import driven_note
 
 _EVENTS = 64  # safety: room for events beyond twice those of the run that was made beforehand
 WAITING, DONE, LEFT = 0, 1, 2
 """What became of a member: not made yet, made, left to `simulate`."""
-
-
-@dataclass(frozen=True)
-class Members:
-    """Values of r members by name, (r,) each: parameters in their units, starts in SI units."""
-
-    count: int
-    parameters: dict[str, Vector]
-    starts: dict[str, Vector]
-
-    def of(self, run: int) -> tuple[dict[str, float] | None, dict[str, float] | None]:
-        """The parameters and the start values of one member, by name; None where there are none."""
-        parameters, starts = (
-            {name: float(column[run]) for name, column in columns.items()} or None
-            for columns in (self.parameters, self.starts)
-        )
-        return parameters, starts
 
 
 class Common(NamedTuple):
@@ -195,26 +178,26 @@ def prepare(
     """What all members share with the member `run`, whose result is the `pattern`.
 
     `given` are options of `simulate`. None where runs of this scene need more than the compiled
-    loop: functions of time, sampled values, conditions that are watched, rigid contacts, friction
-    that sticks, works, redundant constraints, or many coordinates.
+    loop: guesses, functions of time, sampled values, conditions that are watched, rigid contacts,
+    friction that sticks, works, redundant constraints, or many coordinates.
     """
     description, system = mechanism.description, mechanism.system
     beyond = (
         description.time_functions, description.sampled, description.watched, description.profiles,
         description.work_rows, system.rigid, system.sticking, system.one_way, system.shares,
-        system.stiction,
+        system.stiction, members.guesses,
     )  # fmt: skip
     n = len(description.coordinates)
     if any(map(len, beyond)) or n >= SPARSE_FROM or len(description.constraints) > n:
         return None
-    parameters, start = members.of(run)
+    words = members.of(run)
     coordinates, options = prepare_run(
-        mechanism, t_end, times, parameters=parameters, start=start, **given
+        mechanism, t_end, times, parameters=words["parameters"], start=words["start"], **given
     )
     begin = coordinates.begin
     if begin.redundant or begin.is_determined or coordinates.equations.mechanism is not mechanism:
         return None
-    begins = start_values(mechanism, None, start)
+    begins = start_values(mechanism, None, words["start"])
     common = _common(members, begins, coordinates, options)
     return Preparation(coordinates, options, begins, common, 2 * len(pattern.events) + _EVENTS)
 

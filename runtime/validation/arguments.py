@@ -6,7 +6,7 @@ user's values over them, checked all at once; masses and inertias that they make
 refused, with the parameters behind them.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from codegen.parameter_conditions import profile_problems, violated_conditions
 from codegen.readers import arguments as readers
 from codegen.readers.arguments import Reader, count, either, optional
 from codegen.readers.values import KindError, finite_float, is_flag, shown
+from runtime.core.kinds import ANALYSES, analysis_name, analysis_title
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.mechanism.module_tables import Description
@@ -104,6 +105,23 @@ def instants_of_motion(
             f"last instant of a run; for this one instant give [{last:g}]."
         )
     return uniform(first, last, t_eval)
+
+
+def read_analysis(value: Any) -> str:
+    """The name of an analysis, in its usual spelling."""
+    name = analysis_name(value) if isinstance(value, str) else ""
+    if name not in ANALYSES:
+        raise KindError(f"it must be the name of an analysis: {', '.join(ANALYSES)}.")
+    return name
+
+
+def refuse_integration(title: str, analysis: str, words: Iterable[str]) -> None:
+    """Refuse arguments of a simulation, by name, for an analysis that integrates nothing."""
+    if words := [*words]:
+        raise InputError(
+            f"{title}: {analysis_title(analysis)} integrates nothing, so {', '.join(words)} would "
+            "be ignored. Leave out what a simulation takes."
+        )
 
 
 def check(
@@ -237,6 +255,7 @@ KINDS: dict[str, Reader] = {
     **dict.fromkeys(("t", "t_end", "t_start"), _instant),
     **dict.fromkeys(("rtol", "accuracy"), optional(_tolerance)),
     **dict.fromkeys(("first_step", "max_step", "time_scale"), _length),
+    "analysis": read_analysis,
     "atol": optional(_tolerances),
     "t_eval": optional(read_instants),
     "parameters": optional(readers.values('{"mass": 2.0}')),

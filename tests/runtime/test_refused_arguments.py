@@ -115,4 +115,4 @@ def test_unknown_quantities_are_refused_before_anything_runs(
 )
 def test_every_argument_of_an_analysis_has_a_reader(method: str) -> None:
     arguments = {*inspect.signature(getattr(Machine, method)).parameters}
-    assert arguments - {*KINDS} <= {"self", "start", "starts", "until"}
+    assert arguments - {*KINDS} <= {"self", "start", "starts", "guesses", "until"}

@@ -7,8 +7,9 @@ import time
 import numpy as np
 import pytest
 
-from codegen.errors import InputError
+from codegen.errors import AnalysisError, InputError
 from runtime import load
+from runtime.dynamics import prescribed_motion
 from runtime.results import samples
 from runtime.sweeps import ensemble
 
@@ -18,13 +19,17 @@ def compressor():
     return load("slider_crank", scene="compressor")
 
 
-def assert_equal_to_single_runs(machine, found, times, parameters, starts=None):
-    """Each row has the bits, the events and the words of `simulate` with its values."""
+def assert_equal_to_single_runs(
+    machine, found, times, parameters, starts=None, guesses=None, analysis="simulate"
+):
+    """Each row has the bits, the events and the words of a single run with its values."""
     for run in range(found.sizes["run"]):
-        values = {name: float(column[run]) for name, column in parameters.items()}
-        start = {name: float(column[run]) for name, column in (starts or {}).items()}
-        result = machine.simulate(
-            1.0, times, parameters=values, start=start or None, progress=False
+        values, start, guess = (
+            {name: float(column[run]) for name, column in (columns or {}).items()} or None
+            for columns in (parameters, starts, guesses)
+        )
+        result = getattr(machine, analysis)(
+            1.0, times, parameters=values, start=start, guess=guess, progress=False
         )
         assert found["outcome"].values[run] == str(result.outcome)
         assert found["message"].values[run] == result.message
@@ -232,3 +237,126 @@ def test_joints_that_come_and_go_are_refused():
     machine = load("trebuchet")
     with pytest.raises(InputError, match="joints come and go"):
         machine.ensemble(1.0, 5, parameters={"ball_mass": [1.0, 2.0]}, progress=False)
+
+
+CROSSED = {"coupler.y": -2.45, "coupler.phi": -1.37, "rocker.y": -1.22, "rocker.phi": -1.77}
+"""Where the bars of the four-bar linkage are about, mirrored."""
+DRIVEN = ["kinematics", "inverse_dynamics"]
+
+
+@pytest.fixture(scope="module")
+def four_bar():
+    return load("four_bar", scene="inverse_dynamics")
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize(
+    ("model", "analysis"),
+    [
+        ("four_bar", "kinematics"),
+        ("four_bar", "inverse_dynamics"),
+        ("slider_crank", "inverse_dynamics"),
+        ("film_follower", "inverse_dynamics"),
+        ("watt_six_bar", "kinematics"),
+    ],
+)
+def test_rows_of_driven_motions_equal_single_runs(model, analysis, threads):
+    machine = load(model, scene="kinematics" if analysis == "kinematics" else "inverse_dynamics")
+    row = machine.parameters[0]
+    given, times = {row.name: row.default * np.linspace(1.0, 1.02, 5)}, np.linspace(0.0, 1.0, 11)
+    found = machine.ensemble(
+        1.0, times, analysis=analysis, parameters=given, threads=threads, progress=False
+    )
+    assert {*found["outcome"].values} == {"OK"}
+    assert_equal_to_single_runs(machine, found, times, given, analysis=analysis)
+
+
+@pytest.mark.parametrize("analysis", DRIVEN)
+def test_members_that_lock_up_or_do_not_assemble_are_named(four_bar, analysis):
+    given = {name: np.array([2.5, 1.4, 0.3, 2.6]) for name in ("BC", "CD")}
+    found = four_bar.ensemble(1.0, 11, analysis=analysis, parameters=given, progress=False)
+    assert list(found["outcome"].values) == ["OK", "LOCKED", "AssemblyError", "OK"]
+    assert "crank_drive cannot go on" in str(found["message"].values[1])
+    locked = found["q"].values[1]
+    assert np.isfinite(locked[:4]).all()  # until 0.376 s
+    assert np.isnan(locked[4:]).all()
+    assert np.isnan(found["q"].values[2]).all()
+    assert np.isfinite(found["q"].values[[0, 3]]).all()
+
+
+@pytest.mark.parametrize("analysis", ["simulate", *DRIVEN])
+def test_guesses_choose_the_branch_of_a_member(analysis):
+    scene = "constant_torque" if analysis == "simulate" else "inverse_dynamics"
+    machine, times = load("four_bar", scene=scene), np.linspace(0.0, 1.0, 11)
+    guesses = {name: np.array([-value, value]) for name, value in CROSSED.items()}
+    found = machine.ensemble(1.0, times, analysis=analysis, guesses=guesses, progress=False)
+    heights = found["q"].sel(coordinate="coupler.y").values[:, 0]
+    np.testing.assert_allclose(heights, [np.sqrt(6.0), -np.sqrt(6.0)])
+    assert_equal_to_single_runs(machine, found, times, {}, None, guesses, analysis)
+
+
+def test_instants_may_be_all_that_is_given(four_bar):
+    found = four_bar.ensemble(
+        [0.1, 0.2], analysis="inverse-dynamics", parameters={"BC": [2.5]}, progress=False
+    )
+    single = four_bar.inverse_dynamics([0.1, 0.2], parameters={"BC": 2.5}, progress=False)
+    np.testing.assert_array_equal(found["reaction"].values[0], single.data["reaction"].values)
+    about = {name: single.data.attrs[name] for name in ("model", "scene", "analysis")}
+    assert found.attrs == about
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ({"rtol": 1e-6, "max_steps": 9}, "integrates nothing, so rtol, max_steps would be ignored"),
+        ({"analysis": "equilibrium"}, "take simulate, kinematics or inverse_dynamics"),
+        ({"analysis": "kinematic"}, "analysis is 'kinematic'"),
+        ({"t_eval": "steps"}, 't_eval = "steps" has no meaning'),
+        ({"starts": {"crank.phi": 0.0}, "guesses": {"crank.phi": 0.0}}, "in starts and in guesses"),
+        ({"guesses": {"crank.psi": 0.0}}, r"guesses\['crank.psi'\]"),
+    ],
+)
+def test_words_that_driven_motions_do_not_take_are_refused(four_bar, words, message):
+    with pytest.raises(InputError, match=message):
+        four_bar.ensemble(
+            1.0, **{"analysis": "kinematics", "parameters": {"BC": [2.5]}, **words}, progress=False
+        )
+
+
+@pytest.mark.parametrize(
+    ("model", "scene", "analysis", "message"),
+    [
+        ("four_bar", "constant_torque", "kinematics", "1 degree of freedom is left"),
+        ("four_bar", "kinematics", "inverse_dynamics", "needs masses and forces"),
+        ("four_bar", "kinematics", "simulate", "needs masses and forces"),
+        ("hard/bouncing_ball", None, "kinematics", "rigid contacts"),
+    ],
+)
+def test_a_scene_that_suits_no_member_is_refused_once(model, scene, analysis, message):
+    machine = load(model, scene=scene)
+    name = machine.parameters[0].name
+    with pytest.raises(AnalysisError, match=message):
+        machine.ensemble(1.0, 5, analysis=analysis, parameters={name: [1.0, 2.0]}, progress=False)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_an_interruption_keeps_the_driven_motions_that_are_done(four_bar, monkeypatch, threads):
+    original, calls = prescribed_motion.kinematics, []
+
+    def interrupted(*arguments, **words):
+        calls.append(1)
+        if len(calls) == 4:
+            interrupt()
+        elif len(calls) > 4:
+            time.sleep(0.1)
+        return original(*arguments, **words)
+
+    monkeypatch.setattr(prescribed_motion, "kinematics", interrupted)
+    given = {"BC": np.full(40, 2.5)}
+    found = four_bar.ensemble(
+        1.0, 5, analysis="kinematics", parameters=given, threads=threads, progress=False
+    )
+    outcomes = list(found["outcome"].values)
+    assert outcomes[:2] == ["OK", "OK"]
+    assert outcomes.count("not run") > 20
+    assert np.isfinite(found["q"].values[[outcome == "OK" for outcome in outcomes]]).all()
