@@ -25,7 +25,7 @@ from codegen.errors import (
 
 TYPE_CHECKING = False  # type checkers take it as true; importing typing would load modules
 if TYPE_CHECKING:
-    from codegen.declare.body import Body, Curve, Point, disc, rectangle
+    from codegen.declare.body import Body, Curve, Point
     from codegen.declare.element import (
         ConjugateReaction,
         Constraint,
@@ -36,6 +36,8 @@ if TYPE_CHECKING:
         Measure,
         Statement,
     )
+    from codegen.declare.outline_files import read_outline
+    from codegen.declare.outlines import Outline, bar, disc, polygon, rectangle
     from codegen.declare.scene import Scene
     from codegen.declare.symbols import SPEED, Coordinate, alpha, coordinate, given, t
     from codegen.driver import build
@@ -48,7 +50,9 @@ __version__ = "0.1.0"
 
 _ROOMS = {
     "codegen.model": ("Model",),
-    "codegen.declare.body": ("Body", "Curve", "Point", "disc", "rectangle"),
+    "codegen.declare.body": ("Body", "Curve", "Point"),
+    "codegen.declare.outline_files": ("read_outline",),
+    "codegen.declare.outlines": ("Outline", "bar", "disc", "polygon", "rectangle"),
     "codegen.declare.element": (
         *("ConjugateReaction", "Constraint", "Effect", "I", "J", "JointReaction", "Measure"),
         "Statement",
@@ -65,10 +69,18 @@ _HOMES = {name: room for room, names in _ROOMS.items() for name in names}
 __all__ = ["AnalysisError", "AssemblyError", "Body", "BuildReport", "ConjugateReaction"]
 __all__ += ["Constraint", "Coordinate", "Curve", "Effect", "GeneratedFileError", "I", "InputError"]
 __all__ += ["J", "JointReaction", "LinkwrightError", "Model", "ModelError", "ModelFileError"]
-__all__ += ["NoAttributeError", "ParameterError", "Point", "RedundancyError", "Scene", "SceneError"]
+__all__ += [
+    "NoAttributeError",
+    "Outline",
+    "ParameterError",
+    "Point",
+    "RedundancyError",
+    "Scene",
+    "SceneError",
+]
 __all__ += ["SPEED", "Measure", "Statement", "SupersededError", "TableWarning", "UnknownNameError"]
-__all__ += ["__version__", "alpha", "build", "coordinate", "disc", "element", "given"]
-__all__ += ["rectangle", "t"]
+__all__ += ["__version__", "alpha", "bar", "build", "coordinate", "disc", "element", "given"]
+__all__ += ["polygon", "read_outline", "rectangle", "t"]
 
 
 def __getattr__(name: str) -> object:

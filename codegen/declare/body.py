@@ -7,14 +7,13 @@ inertia force, and equations between its coordinates. One whose orientation is n
 """
 
 from dataclasses import dataclass, field
-from math import cos, pi, sin
 from typing import Any, ClassVar
 
 import sympy
 
 from codegen.declare.symbols import Coordinate, Velocity, alpha, own_coordinate, rate
 from codegen.errors import ModelError
-from codegen.readers.calls import declaring, declaring_class, named_attributes
+from codegen.readers.calls import declaring_class, named_attributes
 from codegen.readers.expressions import plain_expression
 from codegen.readers.quantities import in_unit, metres
 from codegen.readers.values import KindError, members, shown
@@ -39,6 +38,9 @@ class Pose:
 class Body(Pose):
     """A rigid planar body; its frame x'-y' has its origin at the centre of mass.
 
+    Points, curves and pictures of a body with an outline are given in the axes of its drawing,
+    which are parallel to x' and y'; they lie elsewhere if the centre of mass does.
+
     Attributes
     ----------
     name
@@ -49,6 +51,8 @@ class Body(Pose):
         Token of the model that the body belongs to.
     outlines
         Closed polygons of points (x', y'), m, by which it is drawn; empty: its joints say.
+    center
+        The centre of mass in the axes of the drawing, m; (0, 0) without an outline.
     fixed, turns
         Whether the body is the ground, and whether it has an orientation.
     """
@@ -58,6 +62,7 @@ class Body(Pose):
     inertia: sympy.Expr | None
     model: object
     outlines: tuple[tuple[tuple[Any, Any], ...], ...] = field(default=(), kw_only=True)
+    center: tuple[Any, Any] = field(default=(0, 0), kw_only=True)
     fixed: ClassVar[bool] = False
     turns: ClassVar[bool] = True
 
@@ -164,15 +169,15 @@ class Body(Pose):
         return {q: exerted * slope for q, slope in slopes.items() if slope != 0}
 
     def at(self, x: Any, y: Any) -> "Point":
-        """The point (x', y') of this body's frame, m."""
-        return Point(self, metres(x), metres(y))
+        """The point (x', y') of this body, m; with an outline, in the axes of its drawing."""
+        return Point(self, *self._from_center(x, y))
 
     def curve(self, x: Any, y: Any) -> "Curve":
-        """The curve x'(α), y'(α) of this body's frame, m, written in the symbol `alpha`."""
-        return Curve(self, metres(x), metres(y))
+        """The curve x'(α), y'(α) of this body, m, in the symbol `alpha`; its axes as in `at`."""
+        return Curve(self, *self._from_center(x, y))
 
     def circle(self, radius: Any, center: tuple[Any, Any] = (0, 0)) -> "Curve":
-        """A circle in this body, m, run through counter-clockwise."""
+        """A circle in this body, m, run through counter-clockwise; its center as in `at`."""
         try:  # what is no length is reported with its joint
             x, y = (plain_expression(in_unit(v, "m")) for v in members(center, 2))
         except KindError:
@@ -181,11 +186,22 @@ class Body(Pose):
             r = plain_expression(in_unit(radius, "m"))
         except KindError:
             return Curve(self, radius, y)
-        return Curve(self, x + r * sympy.cos(alpha), y + r * sympy.sin(alpha))
+        return self.curve(x + r * sympy.cos(alpha), y + r * sympy.sin(alpha))
 
     def polar(self, radius: Any) -> "Curve":
-        """The curve at the distance r(α), m, from the body's centre in the direction α."""
+        """The curve at the distance r(α), m, from the point ``at(0, 0)`` in the direction α."""
         return self.circle(radius)
+
+    def _from_center(self, x: Any, y: Any) -> tuple[Any, Any]:
+        """(x', y') of the drawing's axes in the body's frame; what is no length as it is."""
+        given = metres(x), metres(y)
+        if self.center == (0, 0):
+            return given
+        try:
+            px, py = (plain_expression(v) - c for v, c in zip(given, self.center, strict=True))
+        except KindError:
+            return given
+        return px, py
 
 
 Bodies = tuple[Body, ...]
@@ -312,51 +328,3 @@ class Ground(Body):
     coordinates = masses = ()
     position = velocity = (sympy.S.Zero, sympy.S.Zero)
     angle = angular_velocity = sympy.S.Zero
-
-
-CORNERS = 48  # layout: of the polygon that is drawn for a disc
-
-Outline = tuple[tuple[Any, Any], ...]
-"""Corners (x', y') of a closed polygon in the frame of its body, m."""
-
-
-@declaring("disc")
-def disc(radius: Any, center: tuple[Any, Any] = (0, 0)) -> Outline:
-    """The outline of a disc, for ``draw=`` of `Model.body`.
-
-    Parameters
-    ----------
-    radius
-        In m: a number, a quantity, a parameter, or an expression of them.
-    center
-        (x', y') in the body's frame, m.
-
-    Returns
-    -------
-    tuple of (x', y')
-        The corners of a polygon with 48 sides.
-    """
-    x, y, radius = (in_unit(length, "m") for length in (*center, radius))
-    angles = (2.0 * pi * k / CORNERS for k in range(CORNERS))
-    return tuple((x + radius * cos(angle), y + radius * sin(angle)) for angle in angles)
-
-
-@declaring("rectangle")
-def rectangle(width: Any, height: Any, center: tuple[Any, Any] = (0, 0)) -> Outline:
-    """The outline of a rectangle, for ``draw=`` of `Model.body`.
-
-    Parameters
-    ----------
-    width, height
-        Along x' and y', m: numbers, parameters, or expressions of them.
-    center
-        (x', y') in the body's frame, m.
-
-    Returns
-    -------
-    tuple of (x', y')
-        The four corners.
-    """
-    x, y, a, b = (in_unit(length, "m") for length in (*center, width, height))
-    a, b = a / 2, b / 2
-    return (x - a, y - b), (x + a, y - b), (x + a, y + b), (x - a, y + b)

@@ -147,7 +147,7 @@ def _hub_of(body: Body, pair: frozenset[Any], hubs: Hubs) -> Point:
         if body in both and any(other.fixed for other in both - {body})
     )  # fmt: skip
     ends = hubs.get(pair) or next(grounded, ())
-    return next((end for end in ends if end.body is body), body.at(0, 0))
+    return next((end for end in ends if end.body is body), Point(body, 0, 0))
 
 
 def _contact_sides(contact: shapes.Contact) -> Iterator[shapes.ContactSide]:

@@ -263,7 +263,7 @@ class Declarations:
         return self._value(value, unit, place, read.binds)
 
     def _point(self, name: str, place: Any) -> Point:
-        point = place.at(0, 0) if isinstance(place, Body) else place
+        point = Point(place, 0, 0) if isinstance(place, Body) else place
         if not isinstance(point, Point) or not isinstance(point.body, Body):
             what = shown(place)
             self._note(f"'{name}': {what} is neither a point nor a body; write body.at(x, y).")

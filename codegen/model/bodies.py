@@ -5,19 +5,26 @@ a massless link, or as a link with its mass at the pins.
 """
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 import sympy
 
-from codegen.declare.body import Body, Outline, Particle, Point
+from codegen.declare.area_properties import area_properties, outline_problems
+from codegen.declare.body import Body, Particle, Point
+from codegen.declare.drawn_outlines import polygon_with_holes
+from codegen.declare.outline_files import read_outline
+from codegen.declare.outlines import Corner, Outline, polygon
 from codegen.declare.symbols import Parameter
 from codegen.declare.value_reader import Reader
+from codegen.errors import ModelError
 from codegen.model.base import Place
 from codegen.model.constraints import Constraints
 from codegen.readers.values import KindError, members, shown
 
 Form = Literal["body", "link", "lumped"]
+Polygon = tuple[Corner, ...]
 FORMS = ("body", "link", "lumped")
 _PAIR, _LEAST = 2, 3  # formula: coordinates of a corner; corners of a polygon
 
@@ -25,23 +32,62 @@ _PAIR, _LEAST = 2, 3  # formula: coordinates of a corner; corners of a polygon
 class MovingBodies(Constraints):
     """The bodies, particles and couplers of a declaration."""
 
-    def body(self, name: str, mass: Any = None, inertia: Any = None, *, draw: Any = None) -> Body:
+    def body(
+        self, name: str, mass: Any = None, inertia: Any = None, *, draw: Any = None,
+        outline: Any = None, thickness: Any = None, density: Any = None,
+    ) -> Body:  # fmt: skip
         """A rigid body with its centre of mass at its origin.
+
+        With an outline its points are given in the axes of the outline's drawing; mass, inertia and
+        centre of mass follow. Its coordinates x, y are those of the centre of mass all the same,
+        which is at ``center`` of the drawing.
 
         Parameters
         ----------
         mass, inertia
             Numbers in kg and kg m², pint quantities, parameters or expressions of them; may be
-            left out where only kinematic scenes use the body.
+            left out where only kinematic scenes use the body. With an outline the mass of the
+            plate, in place of thickness and density.
         draw
             The outline by which the body is drawn: corners ``[(x', y'), ...]`` of a closed polygon
             in its frame, m, or several outlines; `disc` and `rectangle` make some. Its joints and
             forces give it one otherwise.
+        outline
+            Of a plate of one thickness and one material: `polygon`, `bar`, `disc`, `rectangle`, or
+            `read_outline` of a DXF or SVG file, with holes; or the corners of a polygon. The body
+            is drawn by it, unless `draw` says otherwise.
+        thickness, density
+            Of the plate, m and kg/m³; left out where only kinematic scenes use the body.
         """
-        m = self._positive(mass, "kg", f"mass of body '{name}'")
-        j = self._positive(inertia, "kg m^2", f"inertia of body '{name}'")
-        outlines = self._outlines(draw, f"body '{name}': draw")
-        return self._declare(Body(name, m, j, self.token, outlines=outlines))
+        where = f"body '{name}'"
+        m = self._positive(mass, "kg", f"mass of {where}")
+        j = self._positive(inertia, "kg m^2", f"inertia of {where}")
+        rho = self._positive(density, "kg/m^3", f"density of {where}")
+        height = self._positive(thickness, "m", f"thickness of {where}")
+        polygons = self._outlines(draw, f"{where}: draw")
+        if outline is None:
+            if density is not None or thickness is not None:
+                self._note(f"{where} has a density or a thickness, but no outline; give outline=.")
+            return self._declare(Body(name, m, j, self.token, outlines=polygons))
+        if inertia is not None or (density is None) != (thickness is None) or None not in (m, rho):
+            self._note(
+                f"{where}: the inertia follows from its outline; give thickness= and density= "
+                "beside it, or mass=, or for the picture alone draw= in place of outline=."
+            )
+        read = self._plate(outline, f"{where}: outline")
+        if read is None:
+            return self._declare(Body(name, m, j, self.token, outlines=polygons))
+        plate = area_properties(read, self.defaults)
+        per_area = None if m is None else m / plate.size
+        if rho is not None and height is not None:
+            per_area = rho * height
+            m = per_area * plate.size
+        j = None if per_area is None else per_area * plate.polar
+        cx, cy = plate.center
+        polygons = polygons or (polygon_with_holes(read, self.defaults),)
+        moved = tuple(tuple((x - cx, y - cy) for x, y in one) for one in polygons)
+        body = Body(name, m, j, self.token, outlines=moved, center=(cx, cy))
+        return self._declare(body)
 
     def particle(self, name: str, mass: Any = None, *, draw: Any = None) -> Particle:
         """A point mass, with two coordinates and no orientation.
@@ -114,7 +160,7 @@ class MovingBodies(Constraints):
                 absent += [half.name for half in halves]
         return tuple(absent)
 
-    def _outlines(self, given: Any, where: str) -> tuple[Outline, ...]:
+    def _outlines(self, given: Any, where: str) -> tuple[Polygon, ...]:
         """Closed polygons whose corners are numbers and parameters, m."""
         if given is None:
             return ()
@@ -133,19 +179,46 @@ class MovingBodies(Constraints):
                 "[(0, 0), (1, 0), (0, 1)], or several such lists."
             )
             return ()
+        return self._corners(outlines, where) or ()
+
+    def _corners(self, lines: Any, where: str) -> tuple[Polygon, ...] | None:
+        """Lists of places, m: numbers, expressions of parameters; None where there are others."""
+        before = len(self.problems)
         read = tuple(
-            tuple((self._value(x, "m", where), self._value(y, "m", where)) for x, y in outline)
-            for outline in outlines
+            tuple((self._value(x, "m", where), self._value(y, "m", where)) for x, y in line)
+            for line in lines
         )
-        corners = (e for outline in read for xy in outline for e in xy)
-        symbols = {s for e in corners for s in e.free_symbols if not isinstance(s, Parameter)}
+        places = (e for line in read for xy in line for e in xy)
+        symbols = {s for e in places for s in e.free_symbols if not isinstance(s, Parameter)}
         if symbols:
             names = ", ".join(sorted(map(str, symbols)))
             self._read.note(
                 f"{where} contains {names}; give numbers and expressions of parameters."
             )
-            return ()
-        return read
+        return None if len(self.problems) > before else read
+
+    def _plate(self, given: Any, where: str) -> Outline | None:
+        """An outline with its holes, whose values are read; None where it bounds no area."""
+        try:
+            drawn = read_outline(given) if isinstance(given, str | Path) else given
+            whole = drawn if isinstance(drawn, Outline) else polygon(drawn)
+        except ModelError as error:
+            self._read.problems += [f"{where}: {problem}" for problem in error.problems]
+            return None
+        loops = (whole, *whole.holes)
+        vertices = self._corners([one.vertices for one in loops], where)
+        polygons = self._corners(loops, where) if vertices else None
+        if vertices is None or polygons is None:
+            return None
+        outer, *holes = (
+            Outline(places, one.bulges, drawn=corners)
+            for one, places, corners in zip(loops, vertices, polygons, strict=True)
+        )
+        read = outer.with_holes(*holes)
+        problems = [*outline_problems(read, self.defaults)]
+        for problem in problems:
+            self._read.note(f"{where}: {problem}")
+        return None if problems else read
 
     def _positive(self, value: Any, unit: str, where: str) -> sympy.Expr | None:
         """A mass or inertia, if given; a parameter that is one must be positive from now on."""

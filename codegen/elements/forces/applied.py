@@ -144,7 +144,7 @@ class AppliedForce(Effect):
             return (force,)
         (x, y), (c, s) = other.position, other.rotation
         dx, dy = self.point.x - x, self.point.y - y
-        at = other.at(c * dx + s * dy, c * dy - s * dx)
+        at = Point(other, c * dx + s * dy, c * dy - s * dx)
         return force, shapes.OppositeForce(at, -fx, -fy)
 
 

@@ -54,7 +54,7 @@ class CamFlatFollower(Constraint):
             normal.dot(I.r + I.A * profile - J.r) - NORMAL.dot(J.s),
             normal.dot(I.A * (profile.diff(AT_I) / self.cam.pace)),
         )
-        bindings = I.bind(self.cam.body.at(0, 0)) | J.bind(self.face) | {AT_I: self.alpha}
+        bindings = I.bind(Point(self.cam.body, 0, 0)) | J.bind(self.face) | {AT_I: self.alpha}
         bindings |= bind_axis(self.axis, AXIS)
         reaction = JointReaction(J.A * AXIS)
         return Statement(phi, ("normal", "slope"), reaction, bindings, (("slope", self.alpha),))
@@ -110,7 +110,7 @@ class CamFollower(Constraint):
         arm = J.A * on_follower
         apart = I.A.T * (J.r + arm - I.r) - on_cam
         slope = I.A.T * (J.A * on_follower.diff(AT_J) / self.follower.pace)
-        bindings = I.bind(self.cam.body.at(0, 0)) | J.bind(self.follower.body.at(0, 0))
+        bindings = I.bind(Point(self.cam.body, 0, 0)) | J.bind(Point(self.follower.body, 0, 0))
         bindings |= {AT_I: self.alpha, AT_J: self.beta}
         direction = I.A * tangent / sympy.sqrt(tangent.dot(tangent))
         along, across = (axis.dot(apart) for axis in (tangent / self.cam.pace, normal))
@@ -181,7 +181,7 @@ class PointFollower(Constraint):
         apart = I.A.T * (J.point - I.r) - profile
         tx, ty = tangent / self.curve.pace
         direction = I.A * tangent / sympy.sqrt(tangent.dot(tangent))
-        bindings = I.bind(self.curve.body.at(0, 0)) | J.bind(self.point) | {AT_I: self.alpha}
+        bindings = I.bind(Point(self.curve.body, 0, 0)) | J.bind(self.point) | {AT_I: self.alpha}
         return Statement(
             (tx * apart[0] + ty * apart[1], tx * apart[1] - ty * apart[0]),
             ("along", "across"),

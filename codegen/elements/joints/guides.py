@@ -218,7 +218,7 @@ class Screw(Constraint):
     def statement(self) -> Statement:
         """One equation, m: the nut's place along the axis."""
         bindings = I.bind(self.frame) | J.bind(self.nut) | bind_axis(self.axis)
-        bindings |= SPINDLE.bind(self.spindle.at(0, 0))
+        bindings |= SPINDLE.bind(Point(self.spindle, 0, 0))
         bindings |= {LEAD: self.lead, OFFSET: self.offset}
         return Statement(TRAVEL, ("travel",), ConjugateReaction((("force", "N"),)), bindings)
 

@@ -204,7 +204,7 @@ def _axle(point: Point, joints: Mapping[str, Constraint]) -> list[tuple[Point, b
                     found.append((there, away))
                 elif isinstance(pin, Weld):
                     c, s = sympy.cos(pin.angle), way * sympy.sin(pin.angle)
-                    at = there.body.at(there.sx + c * x - s * y, there.sy + s * x + c * y)
+                    at = Point(there.body, there.sx + c * x - s * y, there.sy + s * x + c * y)
                     found.append((at, True))
     return found
 
@@ -262,7 +262,11 @@ class WheelPair:
         A wheel's axle is at a revolute joint or weld of its own, or at its centre of mass.
         """
         pins = [pin for pin in joints.values() if isinstance(pin, Revolute | Weld)]
-        ends = [self.i.at(0, 0), self.j.at(0, 0), *(e for pin in pins for e in (pin.i, pin.j))]
+        ends = [
+            Point(self.i, 0, 0),
+            Point(self.j, 0, 0),
+            *(e for pin in pins for e in (pin.i, pin.j)),
+        ]
         on_i, on_j = ([end for end in ends if end.body is w] for w in (self.i, self.j))
         found = find_carriers(on_i, on_j, joints)
         return [carrier for carrier in found if carrier[0] not in (self.i, self.j)]
@@ -314,8 +318,8 @@ class Belt(Pulleys, Constraint):
 
     def statement(self) -> Statement:
         """One equation, m: length of belt."""
-        bindings = I.bind(self.i.at(0, 0)) | J.bind(self.j.at(0, 0))
+        bindings = I.bind(Point(self.i, 0, 0)) | J.bind(Point(self.j, 0, 0))
         bindings |= {RADIUS_I: -self.radius_i if self.crossed else self.radius_i}
         bindings |= {RADIUS_J: self.radius_j, OFFSET: self.offset}
-        bindings |= CARRIER.bind(self.carrier.at(0, 0))
+        bindings |= CARRIER.bind(Point(self.carrier, 0, 0))
         return Statement(BELT, ("belt",), ConjugateReaction((("force", "N"),)), bindings)
