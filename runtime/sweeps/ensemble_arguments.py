@@ -88,10 +88,10 @@ def read_members(
         ("guesses", "coordinate or velocity", guesses, states),
     )
     for columns, (argument, kind, given, names) in zip(found, tables, strict=True):
-        if given is not None and not isinstance(given, Mapping):
+        if given is not None and not hasattr(given, "keys"):  # which a DataFrame has, too
             problems.append(f"{argument} is {shown(given)}; it must be arrays by name.")
             continue
-        for name, values in (given or {}).items():
+        for name, values in dict(() if given is None else given).items():
             label = f"{argument}[{name!r}]"
             try:
                 if name not in names:
@@ -112,8 +112,8 @@ def read_members(
         )
     if not lengths and not problems:
         problems.append(
-            "no array says how many members there are: give at least one parameter or start value "
-            "as an array, one value a member."
+            "no array says how many members there are: give at least one parameter, start value or "
+            "guess as an array, one value a member."
         )
     if problems:
         raise InputError([f"{mechanism.title}: ensemble: {problem}" for problem in problems])

@@ -5,6 +5,7 @@ import threading
 import time
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from codegen.errors import AnalysisError, InputError
@@ -293,6 +294,13 @@ def test_guesses_choose_the_branch_of_a_member(analysis):
     heights = found["q"].sel(coordinate="coupler.y").values[:, 0]
     np.testing.assert_allclose(heights, [np.sqrt(6.0), -np.sqrt(6.0)])
     assert_equal_to_single_runs(machine, found, times, {}, None, guesses, analysis)
+
+
+def test_columns_may_be_those_of_a_table(four_bar):
+    table = pd.DataFrame({"BC": [2.5, 2.6], "CD": [2.5, 2.4]})
+    found = four_bar.ensemble(1.0, 3, analysis="kinematics", parameters=table, progress=False)
+    np.testing.assert_array_equal(found["parameter_CD"], table["CD"])
+    assert {*found["outcome"].values} == {"OK"}
 
 
 def test_instants_may_be_all_that_is_given(four_bar):
