@@ -222,7 +222,7 @@ class Machine(MachineStates):
         >>> m.ensemble(10.0, 101, parameters={"length": np.linspace(0.5, 2.0, 1000)})
         >>> m = lw.load("four_bar", "inverse_dynamics")
         >>> many = m.ensemble(1.0, analysis="inverse_dynamics", parameters={"AB": [0.8, 1.0]})
-        >>> many["reaction"].sel(joint="crank_drive", component="tau")  # N m, over run and time
+        >>> many["reaction"].sel(joint="crank_drive", component="torque")  # N m, over run and time
         """
         given = locals()
         from runtime.sweeps.ensemble import run_ensemble
