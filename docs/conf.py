@@ -34,7 +34,9 @@ extensions = [
     "sphinx_gallery.gen_gallery",
     "built_links",
     "docstrings",
+    "element_pictures",
     "glossary_terms",
+    "moving_pictures",
     "notebook_pictures",
     "repository_links",
 ]
@@ -43,6 +45,7 @@ exclude_patterns = [
     "_build",
     "gallery/book.md",  # its numbers and figures stand on the pages of the machines
     "gallery/machines",
+    "gallery/pages/index.rst",  # gallery/index.md shows the machines by group
     *(f"gallery/pages/**.{ending}" for ending in ("ipynb", "json", "py", "zip")),
 ]
 nitpicky = True
@@ -120,7 +123,8 @@ sphinx_gallery_conf = {
 
 html_theme = "pydata_sphinx_theme"
 html_title = "Linkwright"
-html_static_path = ["_static"]
+html_static_path = ["_static", "gallery/pages/moving"]  # the second is the gallery's work
+(DOCS / "gallery" / "pages" / "moving").mkdir(parents=True, exist_ok=True)
 html_logo = "_static/logo.svg"
 html_favicon = "_static/logo.svg"
 html_context = {"default_mode": "auto"}

@@ -42,7 +42,10 @@ def _drive(
 
 @element(driver=True)
 class Motion(Driver):
-    """driven - law(t) = 0; its reaction is the force that the driver exerts along `driven`."""
+    """A coordinate, or any expression of coordinates, follows a law of the time.
+
+    driven - law(t) = 0; its reaction is the force that the driver exerts along `driven`.
+    """
 
     kind = "driver"
     example = """
@@ -75,7 +78,9 @@ class Motion(Driver):
 
 @element(driver=True)
 class PointDriver(Driver):
-    """x_j^P - C(t) = 0, y_j^P - C(t) = 0 or φ_j - C(t) = 0.
+    """A point follows a law of the time in global x or y, or a body follows one with its angle.
+
+    x_j^P - C(t) = 0, y_j^P - C(t) = 0 or φ_j - C(t) = 0.
 
     The reaction is the force at the point along the global axis, N, or the torque, N m, that the
     driver exerts on the body.
@@ -114,7 +119,9 @@ class PointDriver(Driver):
 
 @element(driver=True)
 class RelativeDriver(Driver):
-    """x_j^P - x_i^P - C(t) = 0, y_j^P - y_i^P - C(t) = 0 or φ_j - φ_i - C(t) = 0, in global axes.
+    """Body j turns or moves against body i by a law of the time, as a motor or a servo in a joint.
+
+    x_j^P - x_i^P - C(t) = 0, y_j^P - y_i^P - C(t) = 0 or φ_j - φ_i - C(t) = 0, in global axes.
 
     With φ it is the revolute-rotational driver: the motor in a revolute joint. The reaction is
     the force along the global axis on body j at its point, N, or the torque on body j, N m; body i
@@ -143,7 +150,9 @@ class RelativeDriver(Driver):
 
 @element(driver=True)
 class TranslationDriver(Driver):
-    """u_iᵀ d_ij - C(t) = 0: how far point j is ahead of point i along an axis of body i.
+    """A slider follows a law of the time along its guide, as a feed or a linear motor moves it.
+
+    u_iᵀ d_ij - C(t) = 0: how far point j is ahead of point i along an axis of body i.
 
     The driver of a translational joint between the two points; it may pass through 0, and holds
     beside any other joint as well. The reaction is the force on body j along the axis, N; body i
@@ -171,7 +180,9 @@ class TranslationDriver(Driver):
 
 @element(driver=True)
 class DistanceDriver(Driver):
-    """sqrt(dᵀ d) - C(t) = 0 with d = r_j^P - r_i^P: a cylinder or a winch between two points.
+    """A cylinder or a winch: the distance of two points follows a law of the time.
+
+    sqrt(dᵀ d) - C(t) = 0 with d = r_j^P - r_i^P: a cylinder or a winch between two points.
 
     Haug squares both sides. Here the distance itself is driven, so that the multiplier is a force,
     and a law below 0 has no solution instead of that of its opposite. Where C reaches 0 the two

@@ -93,6 +93,8 @@ def find_model_file(model: str | Path, folder: Path | None = None, library: Path
     hint = f" Models there: {', '.join(near)}." if near else ""
     if beside:
         hint = f" A path ends in .py: did you mean {given}.py?"
+    elif not is_path and not is_checkout(library):
+        hint += " The machines of the library come with the checkout, not with a wheel."
     places_tried = " and ".join(one_line(path, _LONGEST_PATH) for path in dict.fromkeys(tried))
     raise ModelFileError(f"There is no model {shown(str(model))}: looked for {places_tried}.{hint}")
 

@@ -1,12 +1,15 @@
-"""Parts of the pages of machines: our numbers beside the book's, and figures."""
+"""Parts of the pages of machines: our numbers beside the book's, figures, and moving pictures."""
 
 from collections.abc import Iterator
 from html import escape
+from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
+from moving_pictures import save
 from sphinx_gallery.scrapers import figure_rst
 
+from linkwright import Animation
 from models.studies.chapter import STUDIES
 
 
@@ -42,8 +45,11 @@ def figures_of_the_book(name: str) -> list[Figure]:
 
 
 def scrape(block: Any, variables: dict[str, Any], settings: dict[str, Any]) -> str:
-    """Save the figures that are the value of a block of a script."""
+    """Save the figures that are the value of a block of a script, or the motion of its result."""
     value = variables["example_globals"].get("___")
+    if isinstance(value, Animation):
+        name = Path(variables["src_file"]).stem.removeprefix("plot_")
+        save(name, variables["example_globals"]["result"])
     paths: Iterator[str] = variables["image_path_iterator"]
     found = value if isinstance(value, list) else [value]
     saved = []

@@ -141,7 +141,8 @@ def test_a_page_says_what_there_is_to_say(root: Path, kind: str) -> None:
     wanted = [f"# {kind.capitalize()}", "## Declaration", "## Equations"]
     wanted += ["## Reaction"] if LIBRARY[kind].role != "force" else []
     assert headings == [*wanted, "## Cost"]
-    assert LIBRARY[kind].text.splitlines()[0] in text
+    assert text.split("\n\n")[1] == LIBRARY[kind].summary
+    assert not set("=≥²") & set(LIBRARY[kind].summary), "the first sentence is one in words"
     assert "_Dummy" not in text
     formulas = text.split("$$")[1::2]
     assert formulas

@@ -1,9 +1,11 @@
 """What the site promises, as far as its sources show it; `make docs` builds and executes it."""
 
+import inspect
 import re
 import runpy
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -54,6 +56,42 @@ def test_every_way_to_declare_something_is_documented() -> None:
 def test_every_machine_has_a_page(machine: Path) -> None:
     script = DOCS / "gallery" / "machines" / f"plot_{machine.stem}.py"
     assert f'lw.load("{machine.stem}"' in script.read_text(encoding="utf-8")
+
+
+def test_every_machine_is_in_a_group_of_the_gallery() -> None:
+    text = (DOCS / "gallery" / "index.md").read_text(encoding="utf-8")
+    shown = [name for group in re.findall(r"```\{moving\} (.*)", text) for name in group.split()]
+    scripts = (DOCS / "gallery" / "machines").glob("plot_*.py")
+    assert sorted(shown) == sorted(path.stem.removeprefix("plot_") for path in scripts)
+
+
+def test_the_page_of_words_has_what_people_type_and_calls_that_are_there() -> None:
+    text = (DOCS / "reference" / "words.md").read_text(encoding="utf-8")
+    words = {word for row in re.findall(r"^\| (.*?) \|", text, re.M) for word in row.split(", ")}
+    typed = {"hydraulic cylinder", "Stephenson", "torque-speed curve", "optimise", "spring", "cam"}
+    typed |= {"gear ratio", "four-bar", "damper", "hinge", "pin", "slider", "motor", "limit stop"}
+    assert not (typed | {"dead centre", "animation", "unit", "CSV", "Excel"}) - words
+    for owner, name, given in re.findall(r"`(model|m|r)\.(\w+)(?:\(([^`…]*)\))?", text):
+        cls = {"model": linkwright.Model, "m": linkwright.Machine, "r": linkwright.Result}[owner]
+        function = getattr(cls, name)
+        for keyword in re.findall(r"(\w+)=", given):
+            assert keyword in inspect.signature(function).parameters, (name, keyword)
+
+
+def test_a_machine_in_motion_is_a_picture_in_xml(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("sphinx")
+    monkeypatch.syspath_prepend(DOCS / "_extensions")
+    from moving_pictures import FRAMES, drawings
+
+    run = linkwright.load("four_bar", scene="kinematics").kinematics(1.0)
+    moving, still = (ElementTree.fromstring(text) for text in drawings(run, 0.0, 1.0, 3.0))
+    turns = moving.findall(".//*[@type='rotate']")
+    assert turns
+    assert all(len(turn.attrib["values"].split(";")) == FRAMES for turn in turns)
+    ends = [[float(value) for value in turn.attrib["values"].split(";")][::120] for turn in turns]
+    assert max(abs(last - first) for first, last in ends) == pytest.approx(360, abs=0.02)  # crank
+    assert not still.findall(".//*[@attributeName]")
+    assert len(list(still.iter("{*}path"))) == len(list(moving.iter("{*}path")))
 
 
 def test_tables_of_commands_are_the_output_of_cells() -> None:

@@ -71,6 +71,7 @@ def test_an_installed_wheel_finds_its_methods_and_nothing_that_is_not_its_own(
         str(tmp_path / "runtime" / "generated" / "methods"),
     ]
     assert "There is no model 'pump'" in done.stderr
+    assert "come with the checkout, not with a wheel" in done.stderr
 
 
 def test_a_checkout_has_its_models_and_methods_beside_the_packages(root: Path) -> None:

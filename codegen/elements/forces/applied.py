@@ -20,7 +20,10 @@ from codegen.elements.scalar_measures import (
 
 @element
 class Gravity(Effect):
-    """V = -Σ m (g_x x + g_y y)."""
+    """Gravity pulls at all bodies with mass.
+
+    V = -Σ m (g_x x + g_y y).
+    """
 
     kind = "gravity"
     example = 'model.gravity("weight", (0, -9.81))'
@@ -44,7 +47,10 @@ class Gravity(Effect):
 
 @element
 class Potential(Effect):
-    """Potential energy V(q), in joule; its forces are -∂V/∂q."""
+    """A potential energy of your own, whose forces follow from it.
+
+    Potential energy V(q), in joule; its forces are -∂V/∂q.
+    """
 
     kind = "potential"
     example = 'model.potential("pendulum", 20 * (1 - cos(i.phi)))'
@@ -67,7 +73,10 @@ class Potential(Effect):
 
 @element
 class GeneralizedForce(Effect):
-    """Forces Q along coordinates, N for lengths and N m for angles."""
+    """Forces and torques of your own along coordinates.
+
+    Forces Q along coordinates, N for lengths and N m for angles.
+    """
 
     kind = "generalized force"
     example = 'model.generalized_force("friction", {j.phi: -0.1 * (j.omega - i.omega)})'
@@ -82,7 +91,9 @@ class GeneralizedForce(Effect):
 
 @element
 class AppliedForce(Effect):
-    """F at a point P: Q_r = F, Q_φ = (B s')ᵀ F (Haug 6.1), with F in global or in body axes.
+    """A force acts on a point of a body, such as a load, drag, or the thrust of a jet.
+
+    F at a point P: Q_r = F, Q_φ = (B s')ᵀ F (Haug 6.1), with F in global or in body axes.
 
     Where another body exerts it, `from_`, the reaction -F acts on that body at the same place in
     space, so that the pair keeps its momentum and its moment of momentum.
@@ -150,7 +161,9 @@ class AppliedForce(Effect):
 
 @element
 class AppliedTorque(Effect):
-    """A torque about the axis normal to the plane, counter-clockwise positive.
+    """A torque acts on a body, such as a load, or friction in a bearing.
+
+    A torque about the axis normal to the plane, counter-clockwise positive.
 
     Where another body exerts it, `from_`, the opposite acts on that body: rotor and stator.
     """
@@ -193,7 +206,9 @@ class AppliedTorque(Effect):
 
 @element
 class LineForce(SpanMeasures, Effect):
-    """A force f along the line of two points, N, positive where it pulls them together.
+    """A force along the line of two points, such as a hydraulic or gas cylinder, or a rope.
+
+    A force f along the line of two points, N, positive where it pulls them together.
 
     f may be any expression, of the length ℓ and its rate ℓ̇ too. It has no potential, and its power
     is -f ℓ̇. At ℓ = 0 the line has no direction, and a run stops there as not finite.

@@ -21,7 +21,9 @@ def _stiffness_unit(joint: Any) -> str:
 
 @element
 class ClearanceJoint(Effect):
-    """f = K δⁿ (1 + χ δ̇) while the eccentricity e exceeds the clearance c, with δ = e - c.
+    """A pin joint with clearance: the journal moves within its bearing, and strikes it.
+
+    f = K δⁿ (1 + χ δ̇) while the eccentricity e exceeds the clearance c, with δ = e - c.
 
     e is the distance of the journal's centre j from that of the bearing i. Inside the clearance
     nothing acts, also at e = 0, where the direction of e has no meaning; contact and its end are

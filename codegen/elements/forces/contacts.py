@@ -126,7 +126,9 @@ class GapSprings(Springs):
 
 @element
 class Contact(GapSprings):
-    """f = k g + c ġ along the gap g while g < 0, and no force while it is not (Haug 8.4.2).
+    """Two bodies touch and push each other elastically while the gap between them is closed.
+
+    f = k g + c ġ along the gap g while g < 0, and no force while it is not (Haug 8.4.2).
 
     The switching is located: g = 0 is an event of a run, and between events every step is smooth.
     The spring has the potential V = k g² / 2 while g < 0; the damper is a force. With damping the
@@ -172,7 +174,9 @@ class Contact(GapSprings):
 
 @element
 class Stop(GapSprings):
-    """f = k (s - s_limit) + c ṡ where a coordinate s is below its lower or above its upper limit.
+    """Limit stops: a spring and a damper keep a coordinate between two limits.
+
+    f = k (s - s_limit) + c ṡ where a coordinate s is below its lower or above its upper limit.
 
     s is the angle of a revolute joint, the travel of a sliding one, or any expression of
     coordinates; k and c are along s. A stop never holds s back: where its damper would, it is cut
@@ -260,7 +264,9 @@ GRAVITY = 9.81
 
 @element
 class RigidContact(Effect):
-    """g ≥ 0, F ≥ 0, F g = 0: a reaction F that is there only where the gap g is closed.
+    """Two rigid bodies touch, or one meets a stop: they strike, rebound, rest and part.
+
+    g ≥ 0, F ≥ 0, F g = 0: a reaction F that is there only where the gap g is closed.
 
     It acts along the gap as a contact's force does, Q = F g_q, and has the size that keeps the gap
     closed, g̈ = 0; where it would have to pull, the bodies part. A gap that closes with the speed

@@ -74,7 +74,9 @@ class Coulomb(Effect):
 
 @element
 class DryFriction(Coulomb):
-    """f = -μ N sign(ṡ) along the slip ṡ; at ṡ = 0 the force that keeps it, up to μ_s N (Coulomb).
+    """Two surfaces rub under a given normal force; they slide, and stick.
+
+    f = -μ N sign(ṡ) along the slip ṡ; at ṡ = 0 the force that keeps it, up to μ_s N (Coulomb).
 
     The slip is a velocity, linear in the velocities of the bodies, ṡ = J q̇ + b; f acts as Q = Jᵀ f.
     b is the speed of a belt, say. A change of sign of ṡ is an event of a run; where the force that
@@ -174,7 +176,9 @@ def joint_coordinate(joint: Constraint) -> tuple[sympy.Expr, str]:
 
 @element
 class JointFriction(Coulomb):
-    """f = -μ N sign(ṡ) along the slip s, N being the size of the joint's reaction (Coulomb).
+    """A joint rubs under its own reaction; it slides, and sticks.
+
+    f = -μ N sign(ṡ) along the slip s, N being the size of the joint's reaction (Coulomb).
 
     In a revolute joint of radius R the slip is the angle between the bodies, and f the torque
     -μ R |F| sign(ω). In a translational joint the force across the guide presses; where the

@@ -104,7 +104,9 @@ class SpringDamper(Springs):
 
 @element
 class Spring(measures.SpanMeasures, SpringDamper):
-    """f = k (ℓ - ℓ0) + F0 + c ℓ̇ + F along the line of two points, N, positive in tension.
+    """A spring, a damper or an actuator between two points, or all three in parallel.
+
+    f = k (ℓ - ℓ0) + F0 + c ℓ̇ + F along the line of two points, N, positive in tension.
 
     F0 is the preload, the force at the length ℓ0: the spring is free of force at ℓ0 - F0/k.
     The elastic part has the potential V = k (ℓ - ℓ0)² / 2 + F0 (ℓ - ℓ0), so that equilibrium and
@@ -158,7 +160,9 @@ class Spring(measures.SpanMeasures, SpringDamper):
 
 @element
 class TorsionSpring(measures.TurnMeasures, SpringDamper):
-    """n = k (θ - θ0) + N0 + c θ̇ + N with θ = φ_j - φ_i; n acts on body i, -n on body j.
+    """A torsion spring, a rotary damper or both between two bodies.
+
+    n = k (θ - θ0) + N0 + c θ̇ + N with θ = φ_j - φ_i; n acts on body i, -n on body j.
 
     N0 is the preload, the torque at the angle θ0. The elastic part has the potential
     V = k (θ - θ0)² / 2 + N0 (θ - θ0); the damper and the actuator are forces. Where k, θ0 or N0
@@ -204,7 +208,9 @@ AXES = (("x", "N/m", "N s/m"), ("y", "N/m", "N s/m"), ("phi", "N m/rad", "N m s/
 
 @element
 class Bushing(Springs):
-    """Forces -k s - c ṡ along the displacements s = (A_iᵀ d, φ_j - φ_i - θ0), d = r_j^P - r_i^P.
+    """An elastic joint, such as a rubber bushing: springs and dampers in x, y and angle.
+
+    Forces -k s - c ṡ along the displacements s = (A_iᵀ d, φ_j - φ_i - θ0), d = r_j^P - r_i^P.
 
     The springs have the potential V = Σ k s² / 2; the dampers are forces. The axes turn with body
     i, so a displaced bushing has a moment about it: all of this follows from s.

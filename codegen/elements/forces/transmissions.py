@@ -16,7 +16,9 @@ from codegen.elements.scalar_measures import rim_travel
 
 @element
 class Motor(measures.TurnMeasures, Effect):
-    """T = T_s (u - ω/ω_0) on the rotor j, -T on the stator i, with ω = φ̇_j - φ̇_i.
+    """An electric motor with a straight torque-speed curve turns body j against body i.
+
+    T = T_s (u - ω/ω_0) on the rotor j, -T on the stator i, with ω = φ̇_j - φ̇_i.
 
     The line of a motor with permanent magnets, whose armature has neither inductance nor friction:
     T_s is its torque at rest and ω_0 its speed without load, both at the rated voltage, and u the
@@ -60,7 +62,9 @@ TYPICAL = 1.0
 
 @element
 class OneWayClutch(measures.TurnMeasures, Effect):
-    """w = ω_j - ω_i ≥ 0, T ≥ 0, T w = 0: a torque T on the driven body j, -T on the driver i.
+    """A freewheel: body i drives body j in one direction, and lets it run ahead.
+
+    w = ω_j - ω_i ≥ 0, T ≥ 0, T w = 0: a torque T on the driven body j, -T on the driver i.
 
     Where the driven body is faster it overruns, and nothing acts. Where both have one speed it
     grips: it exerts what keeps them together, as long as that is a torque T ≥ 0, and overruns
@@ -116,7 +120,9 @@ class OneWayClutch(measures.TurnMeasures, Effect):
 
 @element
 class ElasticBelt(Pulleys, GapSprings):
-    """Tensions T0 ± (k u + c u̇), never below 0, with u = R_j (φ_j - φ_c) - R_i (φ_i - φ_c) - s0.
+    """A belt that stretches runs round two pulleys; a side that would push goes slack.
+
+    Tensions T0 ± (k u + c u̇), never below 0, with u = R_j (φ_j - φ_c) - R_i (φ_i - φ_c) - s0.
 
     u is the stretch of the one strand, and -u that of the other. The pulleys turn in bearings of
     the carrier c, the ground or an arm that turns; for a crossed belt R_i is negative in the
@@ -156,7 +162,9 @@ class ElasticBelt(Pulleys, GapSprings):
 
 @element
 class GearWithBacklash(WheelPair, GapSprings):
-    """f = k (u ∓ b/2) + c u̇ where |u| > b/2, with u = R_i (φ_i - φ_c) + R_j (φ_j - φ_c) - s0.
+    """Two gears whose teeth have backlash and are elastic.
+
+    f = k (u ∓ b/2) + c u̇ where |u| > b/2, with u = R_i (φ_i - φ_c) + R_j (φ_j - φ_c) - s0.
 
     u is how far the teeth have moved through each other along the pitch circles, m, from the middle
     of the backlash b. On each flank they bear by a stiffness k and a damping c, and never pull:

@@ -25,7 +25,9 @@ AWAY = 20.0  # measured: weight of a step beside the normal against one along it
 
 @element
 class CamFlatFollower(Constraint):
-    """n_jᵀ (r_i + A_i c(α) - r_j^P) = 0 and n_jᵀ A_i c'(α) = 0: the face touches the profile c.
+    """A cam of body i pushes the flat face of body j, and touches it at one point.
+
+    n_jᵀ (r_i + A_i c(α) - r_j^P) = 0 and n_jᵀ A_i c'(α) = 0: the face touches the profile c.
 
     The second equation is divided by a typical |c'|, so that it is an angle, nearly.
 
@@ -81,7 +83,9 @@ class CamFlatFollower(Constraint):
 
 @element
 class CamFollower(Constraint):
-    """The contact points coincide, along c_i' and across it, and the tangents are parallel.
+    """A cam of body i pushes a curved follower of body j, such as a roller of any shape.
+
+    The contact points coincide, along c_i' and across it, and the tangents are parallel.
 
     With d = A_iᵀ (r_j + A_j c_j(β) - r_i) - c_i(α) the equations are c_i'ᵀ d = 0, c_i'⊥ᵀ d = 0 and
     c_i'⊥ᵀ A_iᵀ A_j c_j' = 0, each divided by a typical |c_i'|, the last by |c_j'| too, so that
@@ -155,7 +159,9 @@ class CamFollower(Constraint):
 
 @element
 class PointFollower(Constraint):
-    """d = A_iᵀ (r_j^P - r_i) - c(α) = 0, written along the curve, c'ᵀ d, and across it.
+    """A point of body j, a pin or a knife edge, follows a curve of body i: a cam or a slot.
+
+    d = A_iᵀ (r_j^P - r_i) - c(α) = 0, written along the curve, c'ᵀ d, and across it.
 
     Both are divided by a typical |c'|, so that they are lengths, nearly.
 

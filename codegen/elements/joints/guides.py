@@ -44,7 +44,9 @@ def bind_axis(axis: Axis, placeholders: sympy.Matrix = AXIS) -> dict[sympy.Symbo
 
 @element
 class Translational(Constraint):
-    """The line through point i along `axis` of body i carries point j; the bodies keep their angle.
+    """A slider: body j slides along a straight guide of body i, and does not turn against it.
+
+    The line through point i along `axis` of body i carries point j; the bodies keep their angle.
 
     Haug (3.3.13) states parallelism by a cross product, v_i⊥ᵀ v_j = 0, which also holds when the
     slider is turned by π. Here the second equation is φ_j - φ_i = const: the same Jacobian up to
@@ -71,7 +73,9 @@ class Translational(Constraint):
 
 @element
 class RevoluteTranslational(Constraint):
-    """(u_i⊥)ᵀ d_ij - c = 0: point j keeps the distance c, to the left, from a line of body i.
+    """A pin in a slot: a pin of body j slides along a straight line of body i, and turns in it.
+
+    (u_i⊥)ᵀ d_ij - c = 0: point j keeps the distance c, to the left, from a line of body i.
 
     The massless slide block between a guide (body i) and a pin (point j of body j). The reaction's
     x axis points along the line: the guide pushes across it, so `fx` and `torque` are 0.
@@ -111,7 +115,9 @@ TO_CONTACT = J.A * J.s - RADIUS * (I.A * NORMAL)
 
 @element
 class RackAndPinion(Constraint):
-    """(u⊥)ᵀ d - R = 0 and uᵀ d + R (φ_pinion - φ_rack) - s0 = 0, both bodies free to move.
+    """A pinion rolls along a rack, and their teeth do not slip.
+
+    (u⊥)ᵀ d - R = 0 and uᵀ d + R (φ_pinion - φ_rack) - s0 = 0, both bodies free to move.
 
     With u the rack's axis and d the way from the rack's point, on the pitch line, to the pinion's
     centre: the pinion stays on the left of the axis, at its pitch radius, and rolls without slip.
@@ -151,7 +157,9 @@ class RackAndPinion(Constraint):
 
 @element
 class RollingDisc(Constraint):
-    """(u⊥)ᵀ d - R = 0 and uᵀ d + R (φ_disc - φ_line) - s0 = 0: the disc touches and does not slip.
+    """A wheel rolls without slip along a straight line, such as a road or a rail.
+
+    (u⊥)ᵀ d - R = 0 and uᵀ d + R (φ_disc - φ_line) - s0 = 0: the disc touches and does not slip.
 
     With u the direction of the line and d the way from its point to the disc's centre, which stays
     on the left of the line. In the plane rolling is a matter of positions: `offset` s0 is uᵀ d at
@@ -192,7 +200,9 @@ TRAVEL = (ALONG - LEAD / (2 * sympy.pi) * (SPINDLE.phi - I.phi) - OFFSET,)
 
 @element
 class Screw(Constraint):
-    """uᵀ d - h/2π (φ_s - φ_i) - s0 = 0: each turn of the spindle moves the nut by its lead h.
+    """A spindle drives a nut along its axis, by its lead each turn.
+
+    uᵀ d - h/2π (φ_s - φ_i) - s0 = 0: each turn of the spindle moves the nut by its lead h.
 
     With u the axis in the frame i, and d the way from its point to that of the nut j. The spindle's
     own axis would lie in the plane; here the body that stands for it turns in the plane, as the

@@ -28,7 +28,10 @@ X_AXIS = I.A * sympy.Matrix([1, 0])
 
 @element
 class Revolute(Constraint):
-    """r_i + A_i s'_i - r_j - A_j s'_j = 0; the reaction axes are those of the first body."""
+    """A hinge: a pin holds a point of body i and a point of body j together, and both may turn.
+
+    r_i + A_i s'_i - r_j - A_j s'_j = 0; the reaction axes are those of the first body.
+    """
 
     kind = "revolute"
     example = 'model.revolute("pin", P, Q)'
@@ -53,7 +56,9 @@ LINK = (SPAN.dot(SPAN) - LENGTH**2,)
 
 @element
 class RevoluteRevolute(Constraint):
-    """(r_j^P - r_i^P)ᵀ (r_j^P - r_i^P) - L² = 0; the reaction's x axis points along the link.
+    """A massless link with a pin at either end keeps two points at its length.
+
+    (r_j^P - r_i^P)ᵀ (r_j^P - r_i^P) - L² = 0; the reaction's x axis points along the link.
 
     `instead_of` names the body that the link stands for: the joint acts in the scenes that leave
     this body out.
@@ -86,7 +91,9 @@ class RevoluteRevolute(Constraint):
 
 @element
 class Distance(RevoluteRevolute):
-    """(r_j^P - r_i^P)ᵀ (r_j^P - r_i^P) - c² = 0; absolute where one of the points is on the ground.
+    """Two points keep their distance, as the ends of a taut wire or of a massless link do.
+
+    (r_j^P - r_i^P)ᵀ (r_j^P - r_i^P) - c² = 0; absolute where one of the points is on the ground.
 
     The equation is that of a massless link of length c, and so is the reaction: its x axis points
     from point i to point j.
@@ -109,7 +116,10 @@ def letter_unit(element: Any) -> str:
 
 @element
 class Absolute(Constraint):
-    """x_j^P = c, y_j^P = c or φ_j = c; the reaction is that of the ground on the body."""
+    """A point keeps its global x or y, or a body its angle.
+
+    x_j^P = c, y_j^P = c or φ_j = c; the reaction is that of the ground on the body.
+    """
 
     kind = "absolute"
     example = 'model.absolute("level", Q, "y", 0.5)'
@@ -132,7 +142,9 @@ class Absolute(Constraint):
 
 @element
 class Relative(Constraint):
-    """x_j^P - x_i^P = c, y_j^P - y_i^P = c or φ_j - φ_i = c, in global axes.
+    """Two points keep the difference of their x or y, or two bodies that of their angles.
+
+    x_j^P - x_i^P = c, y_j^P - y_i^P = c or φ_j - φ_i = c, in global axes.
 
     The reaction is that of the constraint on body j at its point, in global axes. Body i gets
     the opposite force at its own point. The moment of this pair, where the points are apart across
@@ -161,7 +173,10 @@ class Relative(Constraint):
 
 @element
 class ExpressionConstraint(Constraint):
-    """Any equations of coordinates, parameters and t; each expression is kept at zero."""
+    """A constraint of your own: one or more equations, such as those of a rope over a pulley.
+
+    Any equations of coordinates, parameters and t; each expression is kept at zero.
+    """
 
     kind = "constraint"
     example = 'model.constraint("pulley", i.y + 2 * j.y - 1)'

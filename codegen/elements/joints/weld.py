@@ -16,7 +16,9 @@ PHI = (*COINCIDENT, J.phi - I.phi - ANGLE)
 
 @element
 class Weld(Constraint):
-    """r_i^P - r_j^P = 0 and φ_j - φ_i - α = 0: a revolute joint that cannot turn.
+    """Two bodies are fixed to each other, at a point and at an angle.
+
+    r_i^P - r_j^P = 0 and φ_j - φ_i - α = 0: a revolute joint that cannot turn.
 
     The reaction is the force and the torque that body i exerts on body j at the point, in axes
     fixed in body i: the load of the seam.

@@ -45,7 +45,9 @@ TOWARDS_J = sympy.Matrix([sympy.cos(THETA), sympy.sin(THETA)])
 
 @element
 class Gear(Constraint):
-    """d_x sin θ - d_y cos θ = 0 with d = r_j^P - r_i^P and the angle θ of the line of centres.
+    """Two gears mesh, outside or one within the other; the ratio of their radii is the gear ratio.
+
+    d_x sin θ - d_y cos θ = 0 with d = r_j^P - r_i^P and the angle θ of the line of centres.
 
     Rolling without slip makes equal arcs pass the pitch point on both circles,
     R_i (θ̇ - φ̇_i) + R_j (θ̇ - φ̇_j) = 0, hence (Haug, section 3.4)
@@ -298,7 +300,9 @@ class Pulleys(WheelPair):
 
 @element
 class Belt(Pulleys, Constraint):
-    """R_j (φ_j - φ_c) - R_i (φ_i - φ_c) = s0: equal lengths of belt run off i and onto j.
+    """A belt or a chain runs round two pulleys; the ratio of their radii is the gear ratio.
+
+    R_j (φ_j - φ_c) - R_i (φ_i - φ_c) = s0: equal lengths of belt run off i and onto j.
 
     The pulleys turn in bearings of the carrier c, the ground or an arm that turns. A crossed belt
     turns them in opposite directions: R_i is negative in the equation. s0 belongs to the pulley

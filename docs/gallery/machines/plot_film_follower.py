@@ -13,19 +13,19 @@ from gallery_parts import BesideTheBook, figures_of_the_book
 
 import linkwright as lw
 
-machine = lw.load("film_follower", scene="motor")
+machine = lw.load("film_follower", scene="kinematics")
 machine.draw()
 
 # %%
 # Its motion:
 
-result = machine.simulate(1.0)
+result = machine.kinematics(1.0)
 result.animate()
 
 # %%
 # Curves:
 
-result.plot("crank.omega", "rocker.phi")
+result.plot("coupler.phi", "rocker.phi")
 
 # %%
 # How the run ended:
