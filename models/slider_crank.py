@@ -64,6 +64,7 @@ model.force(
     fx=Piecewise((0, x < 1.5), (compression, x <= 5), (exhaust, x <= 5.5), (0, True)),
     when=slider.vx > 0,
 )
+model.label(x > 5, "exhaust valve opens / exhaust valve closes")
 
 # The same gas held in place, for equilibrium: minus the integral of its force.
 stored = -282857 * log((6 - x) / 4.5) - 62857 * (x - 1.5)

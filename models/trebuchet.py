@@ -55,6 +55,7 @@ model.contact("trough", model.ground, ball, direction=(0, 1), restitution=0)
 dx, dy, c, s = ball.x - tip.x, ball.y - tip.y, cos(beam.phi), sin(beam.phi)
 angle = atan2(dx * s - dy * c, -dx * c - dy * s)
 model.release(sling, when=angle < release_angle)
+model.label(angle < release_angle, "sling lets go")
 
 resting = {beam.phi: asin(5 / 6.5), beam.omega: 0.0, counterweight.phi: 0.0,
            counterweight.omega: 0.0, ball.y: 0.0, ball.vy: 0.0}  # fmt: skip

@@ -278,6 +278,10 @@ def derive(model: "Model", scene: Scene) -> Equations:
         "driver": [*drivers.values()],
         "force": [e for e in parts.effects.values() if parts.moves or e.kind == TRACKED],
     }
+    drawn["force"] += (  # points are drawn, outputs or not
+        e for e in model.effects.values()
+        if e.kind == TRACKED and e.name not in parts.effects and {*e.bodies} <= {*bodies}
+    )  # fmt: skip
     equations = Equations(
         model=model.name,
         scene=scene,

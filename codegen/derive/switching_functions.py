@@ -24,6 +24,7 @@ from codegen.declare.symbols import (
 from codegen.derive.effect_terms import EffectTerms
 from codegen.derive.piecewise_conditions import Boundary, boundary, conditions, switching_function
 from codegen.readers.calls import errors_at
+from codegen.readers.values import label_sides
 from codegen.tables.branches import knot_function, knots_function
 from codegen.tables.piecewise_function import ClosedPieces
 from codegen.tables.table_function import Interpolant, TableAtom
@@ -167,13 +168,17 @@ def profile_knots(joints: Iterable[tuple[str, Statement]]) -> Iterator[Switch]:
 def labelled(
     among: tuple[Switch, ...], labels: Sequence[tuple[sympy.Basic, str]]
 ) -> tuple[Switch, ...]:
-    """The switches, the conditions that have a label by it in place of their text."""
+    """The switches, the conditions that have a label by it in place of their text.
+
+    The opposite of a condition has the words for its begin and its end in the other order.
+    """
     names = dict[sympy.Expr, str]()
     for condition, label in labels:
         parts = sorted(condition.atoms(Relational), key=str)
         for part in parts:
             g, text = switching_function(part), label if len(parts) == 1 else f"{label} ({part})"
-            names[g] = names[-g] = text
+            begin, end = label_sides(text)
+            names[g], names[-g] = text, f"{end} / {begin}" if text == label else text
     return tuple(
         replace(s, text=names.get(s.g, s.text)) if s.kind == "condition" else s for s in among
     )

@@ -51,7 +51,8 @@ class Forces(Declarations):
         from_
             The body that exerts the force, on which (-fx, -fy) acts at the same place; None: none.
         label
-            What the events of `when` are called, such as ``"piston moves right"``.
+            What the events of `when` are called, such as ``"valve opens / valve closes"``: the
+            words for its begin, and behind a slash those for its end.
         """
 
     @declares(AppliedTorque, body="on")
@@ -93,6 +94,19 @@ class Forces(Declarations):
         label
             What the events of `when` are called.
         """
+
+    def label(self, condition: Any, words: str) -> None:
+        """Call the events of a condition by words, wherever it stands.
+
+        Parameters
+        ----------
+        condition
+            A comparison in a piecewise force, a `when=` or another law, or its opposite.
+        words
+            What happens where it begins to hold, and behind ``" / "`` where it ceases to, such as
+            ``"exhaust valve opens / exhaust valve closes"``.
+        """
+        self._read.condition(condition, f"label {shown(words)}", words)
 
     @declares(Potential)
     def potential(self, name: str, energy: Any) -> Effect:

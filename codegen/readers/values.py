@@ -43,6 +43,15 @@ def one_line(text: object, widest: int = WIDEST) -> str:
     return line if len(line) <= widest else f"{line[: widest - 3]}..."
 
 
+def label_sides(label: str) -> tuple[str, str]:
+    """What a label says where its condition begins to hold, and where it ceases to.
+
+    Such as ``"valve opens / valve closes"``; one without a slash ends as ``"no longer: …"``.
+    """
+    begin, _, end = label.partition(" / ")
+    return begin, end or f"no longer: {begin}"
+
+
 def is_flag(value: Any) -> bool:
     """Whether it is True or False, of Python or numpy."""
     return type(value).__name__ in {"bool_", "bool"}

@@ -12,7 +12,7 @@ import typer
 
 from codegen.errors import ModelFileError
 from codegen.files.library_folders import LIBRARY, find_model_file, model_names, models_folder
-from linkwright.cli.model_listing import ModelText, read_model_text
+from codegen.files.model_text import ModelText, read_model_text
 from runtime.integrate.method import METHODS
 
 MODELS_TO_START_FROM = ("four-bar", "slider-crank", "pendulum", "cam-follower")

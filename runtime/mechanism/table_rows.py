@@ -10,6 +10,9 @@ from codegen.errors import UnknownNameError
 from codegen.object_display import html_table
 from codegen.readers.values import shown
 
+NEXT_PIECE = "next piece of its function of time"
+"""What happens where a function of time has another formula, as events name it."""
+
 
 class Row(Protocol):
     """A line of a table, which is found by its name."""
@@ -245,7 +248,7 @@ class TimeFunction(NamedTuple):
     @property
     def title(self) -> str:
         """As events name it."""
-        return f"{self.name}: next piece of its function of time"
+        return f"{self.name}: {NEXT_PIECE}"
 
 
 class TableRange(NamedTuple):

@@ -14,6 +14,7 @@ from runtime.core.kinds import SLIDING, Direction
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.table_rows import Watched
 from runtime.results.assembled_state import State
+from runtime.results.event_text import event_text
 from runtime.results.samples import FloatArray, plain
 
 Kind = Literal["crossing", "lock-up", "start", "unclear"]
@@ -21,7 +22,6 @@ Kind = Literal["crossing", "lock-up", "start", "unclear"]
 _SINGULAR = (Direction.CROSSED, Direction.LOCKED)
 _SMALL = 0.02  # layout: part of the largest share, below which a text leaves a share out
 _MOST = 8  # layout: shares that a text shows
-_LONGEST = 60  # layout: characters of a condition in the text of an event
 
 
 @readable_class
@@ -65,11 +65,8 @@ class Event(NamedTuple):
 
     @property
     def text(self) -> str:
-        """What happened, in a few words: `plate touches`, `gas: slider_vx > 0 began`."""
-        if self.word:
-            return f"{self.element} {self.word}"
-        name, what = self.name, self.what
-        return f"{name[:_LONGEST] + ' …' if len(name) > _LONGEST else name}, {what}"
+        """What happened, in a few words: `plate touches`, `gas: x of slider passes 5 m`."""
+        return f"{self.element} {self.word}" if self.word else event_text(self.name, self.direction)
 
     @property
     def element(self) -> str:
@@ -254,6 +251,11 @@ class Reconnection(NamedTuple):
     # engage at one instant the first has that of their one impact, the others 0
     energy_lost: float
     units: dict[str, str]  # component → unit of its impulse, "" of an expression without one
+
+    @property
+    def text(self) -> str:
+        """What happened, in a few words: `joint sling is released`."""
+        return f"joint {self.joint} {'engages' if self.action == 'engage' else 'is released'}"
 
     def __str__(self) -> str:
         """In a sentence."""

@@ -35,7 +35,7 @@ def _tables(result: "Result") -> Iterator[str]:
     yield _section("Parameters", _parameters(result))
     yield _section("Checks", _checks(result))
     yield from _accuracy(result)
-    yield _section("Statistics", stats)
+    yield f"<details><summary>Counters of the solver</summary>{_table(stats)}</details>"
     yield _section("At the end", _last(result))
     if result.events:
         rows = ((f"{e.time:.9g} s", e.text) for e in result.events[:_MOST_ROWS])

@@ -9,10 +9,11 @@ import pytest
 from typer.testing import CliRunner
 
 from codegen.elements.registry import kinds_of_elements
+from codegen.files.model_text import read_model_text
 from codegen.reading.model_file import read_model
 from linkwright.cli import completion
 from linkwright.cli.application import app
-from linkwright.cli.model_listing import models_in, read_model_text
+from linkwright.cli.model_listing import models_in
 from runtime.integrate.method import METHODS
 
 MODEL = '''"""A stone.

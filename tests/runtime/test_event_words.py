@@ -4,13 +4,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sympy import pi, sin
+from sympy import Piecewise, pi, sin
 
 from codegen import Model, build, t
 from codegen.errors import ModelError
 from codegen.object_display import without_rounding
 from runtime import load
 from runtime.machine_facade import Machine
+from runtime.results.event_text import event_text
 from runtime.results.result import Result
 
 
@@ -50,8 +51,36 @@ def labelled(workshop: Path) -> Machine:
 
 def test_a_label_names_the_events_of_a_condition(labelled: Machine) -> None:
     r = labelled.simulate(1.0)
-    assert words(r) == ["push: the block passes the mark, began"]
+    assert words(r) == ["the block passes the mark"]
     assert set(r.mode("push: the block passes the mark")) == {0, 1}
+
+
+@pytest.mark.parametrize(
+    ("name", "direction", "text"),
+    [
+        ("gas: slider_x <= 5", -1, "gas: x of slider passes 5 m"),
+        ("gas: slider_x <= 5", 1, "gas: x of slider falls below 5 m"),
+        ("gas: 2*pi > left_arm_phi", 1, "gas: phi of left_arm falls below 2*pi"),
+        ("gas: slider_vx > 0", -1, "gas: vx of slider becomes negative"),
+        ("gas: slider_vx > 0", 0, "gas: the motion stays on vx of slider = 0 m/s"),
+        ("motor: t >= 0.25", 1, "motor: t passes 0.25 s"),
+        ("valve: p_low > p_high", -1, "valve: p_low > p_high ceases to hold"),
+        ("valve: opens / closes", 1, "opens"),
+        ("valve: opens / closes", -1, "closes"),
+        ("valve: opens", -1, "no longer: opens"),
+        ("singular: drive, A", 3, "drive, A: a singular position is crossed"),
+    ],
+)
+def test_a_condition_is_told_in_words(name: str, direction: int, text: str) -> None:
+    assert event_text(name, direction) == text
+
+
+def test_a_condition_of_a_law_and_its_opposite_have_the_words_of_a_label(workshop: Path) -> None:
+    model, mass = block("valve_words")
+    model.force("gas", mass, fx=Piecewise((-8.0, mass.x <= 0.3), (-9.0, True)))
+    model.label(mass.x > 0.3, "valve opens / valve closes")
+    model.scene("runs", ["gas"], start={mass.x: 0.0, mass.vx: 3.0})
+    assert words(load(model, folder=workshop).simulate(0.8)) == ["valve opens", "valve closes"]
 
 
 def test_a_label_without_a_condition_is_refused() -> None:

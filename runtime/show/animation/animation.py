@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from codegen.drawing.picture import Picture
 from codegen.errors import InputError, LinkwrightError
+from codegen.files.model_text import plain, read_model_text
 from codegen.files.whole_files import whole_file
 from codegen.presentation import is_movie, is_page
 from codegen.readers import arguments as readers
@@ -47,6 +48,8 @@ _SAMPLING = Sampling(
     patience=10.0,  # measured: s of integration that an animation takes once more
 )
 _HEIGHT = 720  # layout: of the frame in a notebook, px
+_DRIVEN = ("kinematics", "inverse dynamics")
+"""The analyses of a motion that drivers prescribe, which may be gone through by hand."""
 MAX_RUNS = 6  # layout: runs beside each other
 
 
@@ -89,11 +92,13 @@ class Animation:
             runs.append({
                 "label": self.labels[number], "title": run.description.title, "t": in_two(run.t),
                 "series": series, "groups": groups, "missing": missing,
+                "driven": self._results[number].analysis in _DRIVEN,
                 **machine_data(machine, unit, exerted(run), marks),
             })  # fmt: skip
         has_curves = any(len(result.t) > 1 for result in self._results)
+        words = " ".join(dict.fromkeys(map(about, shown)))
         return page_text(
-            self.title, block({"runs": runs}), self._below,
+            self.title, block({"runs": runs}), self._below, words,
             has_curves=has_curves, runs=len(runs),
         )  # fmt: skip
 
@@ -192,6 +197,14 @@ def animate(
     if file is not None:
         shown.save(file)
     return shown
+
+
+def about(result: "Result") -> str:
+    """What the docstring of a model file says of the machine and of its scene; "" without one."""
+    origin = result._mechanism.origin if result._mechanism else None
+    text = read_model_text(origin.model) if origin and isinstance(origin.model, Path) else None
+    scene = text.scenes.get(result.description.scene, "") if text else ""
+    return plain(f"{text.summary} {scene}".strip()) if text else ""
 
 
 def differences(results: "Sequence[Result]") -> tuple[str, ...]:

@@ -142,6 +142,8 @@ class _Machine:
         match symbol.shape:
             case shapes.Gravity(gx, gy):
                 return row | {"gravity": np.ravel(gx + 1j * gy)[0]}
+            case shapes.Reaction(by, on):
+                return row | {"ties": [by, on]}
             case shapes.Trace(at):
                 return row | {"path": self.path(self.picture.at(at))}
             case shapes.Drive(i) as drive:
@@ -234,7 +236,7 @@ def event_marks(result: "Result") -> list[Row]:
         return []
     first, last = float(result.t.min()), float(result.t.max())
     events = [(e.time, e.text, e.element, {e.word, e.what}) for e in result.events]
-    changes = [(c.time, str(c).rstrip("."), c.joint, {c.action}) for c in result.reconnections]
+    changes = [(c.time, c.text, c.joint, {c.action}) for c in result.reconnections]
     marks = []
     for rows, what in ((events, "events"), (changes, "joints")):
         within = [_mark(*row) for row in rows if first <= row[0] <= last]

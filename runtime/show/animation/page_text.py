@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _FOLDER = Path(__file__).parent / "page"
 SCRIPTS = (
     "data", "poses", "signs", "scene", "lines", "labels", "arrows", "traces", "flashes",
-    "camera", "stage", "clock", "timeline", "curves", "state_text", "controls", "keys",
+    "camera", "hold", "stage", "clock", "timeline", "curves", "state_text", "controls", "keys",
     "surroundings", "main",
 )  # fmt: skip
 """The modules of the script, each after those that it imports."""
@@ -54,7 +54,7 @@ def style() -> str:
     )
     numbered = " ".join(
         f".body-{k} {{ --fill: var(--fill-{k}); --line: var(--line-{k}); }} "
-        f".line-{k} {{ --chip: var(--line-{k}); }} .run-{k} {{ color: var(--line-{k}); }}"
+        f".run-{k} {{ color: var(--line-{k}); }}"
         for k in range(COUNT)
     )
     lines = "\n".join(
@@ -76,7 +76,13 @@ def _color(name: str) -> str:
 
 
 def page_text(
-    title: str, data: str, below: str = "", *, has_curves: bool = True, runs: int = 1
+    title: str,
+    data: str,
+    below: str = "",
+    about: str = "",
+    *,
+    has_curves: bool = True,
+    runs: int = 1,
 ) -> str:
     """The page as text, of `runs` runs beside each other.
 
@@ -88,12 +94,15 @@ def page_text(
         The block of `page_data`.
     below
         HTML that stands below the player.
+    about
+        A text that stands under the title.
     has_curves
         Whether there is a motion, of which there are curves.
     """
     template = (_FOLDER / "page.html").read_text(encoding="utf-8")
     parts = {
         "title": escape(title),
+        "about": f'<p class="about" title="{escape(about)}">{escape(about)}</p>' if about else "",
         "style": style(),
         "curves": "\n".join(map(_curve_section, range(PANELS))) if has_curves else "",
         "below": below,
@@ -126,6 +135,7 @@ def framed(page: str, title: str, height: int) -> str:
 PANELS = 4  # layout: panels of curves in a page
 MAX_LINES = 6  # layout: curves of a run in a panel
 _HEIGHT = 140  # layout: of a panel, px
+_LEAST = 70  # layout: of a panel in a low window, px
 _ROUNDING = 1e-9  # accuracy: of a group's largest value; a curve that changes by less is constant
 _IDENTITIES = re.compile(r'"(p\d+|[0-9a-f]{8}-[0-9a-f-]{27})"')
 _SECTIONS = {
@@ -195,9 +205,9 @@ def _panel(number: int, span: Any, values: Any, lines: int) -> Any:
     from bokeh.plotting import figure
 
     panel = figure(
-        name=f"panel-{number}", height=_HEIGHT, sizing_mode="stretch_width", x_range=span,
-        y_range=values, tools="xpan,xwheel_zoom,xbox_zoom,reset,save", active_drag=None,
-        active_scroll=None, output_backend="canvas", min_border_left=76,
+        name=f"panel-{number}", height=_HEIGHT, sizing_mode="stretch_both", x_range=span,
+        y_range=values, min_height=_LEAST, tools="xpan,xwheel_zoom,xbox_zoom,reset,save",
+        active_drag=None, active_scroll=None, output_backend="canvas", min_border_left=76,
         min_border_right=14, min_border_bottom=22, background_fill_color=None,
         border_fill_color=None, outline_line_color=None,
     )  # fmt: skip
@@ -239,7 +249,8 @@ def curves(result: "Result") -> tuple[list[dict[str, Any]], list[dict[str, Any]]
                 {"section": where, "title": title, "owner": whose, "unit": unit, "curves": []},
             )
             group["curves"].append((len(series), size, change))
-        series.append({"name": name, "unit": unit, "values": rounded(values)})
+        known = {"name": name, "owner": row.element, "unit": unit}
+        series.append({**known, "values": rounded(values)})
     return series, [part for group in groups.values() for part in _parts(group)]
 
 

@@ -1,10 +1,14 @@
 // Zoom and pan: from metres to px. Each run has a camera; those of a page move together.
 
-/** A camera on a box [x least, y least, x largest, y largest], m, and on a larger one with all. */
+/**
+ * A camera on a box [x least, y least, x largest, y largest], m, and on a larger one with all. It
+ * goes along with a point, m, if one is given.
+ */
 export class Camera {
-  constructor(box, whole) {
+  constructor(box, whole, from = null) {
     this.boxes = [box, whole];
     this.box = box;
+    Object.assign(this, { from, to: from });
     this.width = 1;
     this.height = 1;
     this.listeners = [];
@@ -53,7 +57,23 @@ export class Camera {
     const [left, bottom, right, top] = this.box;
     this.scale = this.fitting();
     this.moved = false;
-    this.centerOn({ x: (left + right) / 2, y: (bottom + top) / 2 });
+    const [dx, dy] = this.follows ? [this.to.x - this.from.x, this.to.y - this.from.y] : [0, 0];
+    this.centerOn({ x: (left + right) / 2 + dx, y: (bottom + top) / 2 + dy });
+  }
+
+  /** Whether it goes along with a point; with all of a run in the picture it stands still. */
+  get follows() {
+    return this.from !== null && this.box === this.boxes[0];
+  }
+
+  /** Goes along with its point, which is here now. */
+  follow(point) {
+    const [dx, dy] = [point.x - this.to.x, point.y - this.to.y];
+    this.to = point;
+    if (!this.follows || (dx === 0 && dy === 0)) return;
+    this.x -= this.scale * dx;
+    this.y += this.scale * dy;
+    this.changed();
   }
 
   centerOn({ x, y }) {
@@ -100,10 +120,14 @@ export class Camera {
   }
 }
 
-/** Lets mouse, wheel and fingers move the camera over an element; a click is told apart. */
-export function steer(element, camera, onClick) {
+/**
+ * Lets mouse, wheel and fingers move the camera over an element; a click is told apart. What
+ * `grab(event, place)` returns, if anything, is called with the places of the pointer instead.
+ */
+export function steer(element, camera, onClick, grab) {
   const pointers = new Map();
   let moved = 0;
+  let pull;
   const place = (event) => {
     const box = element.getBoundingClientRect();
     return { x: event.clientX - box.left, y: event.clientY - box.top };
@@ -111,24 +135,29 @@ export function steer(element, camera, onClick) {
   element.addEventListener("pointerdown", (event) => {
     pointers.set(event.pointerId, place(event));
     moved = 0;
+    pull = pointers.size === 1 ? grab(event, place(event)) : undefined;
   });
   element.addEventListener("pointermove", (event) => {
     const before = pointers.get(event.pointerId);
     if (!before) return;
     const now = place(event);
+    moved += Math.hypot(now.x - before.x, now.y - before.y);
     const others = [...pointers].filter(([id]) => id !== event.pointerId).map(([, at]) => at);
     if (others.length === 1) {
       const [other] = others;
       const distance = (at) => Math.max(Math.hypot(at.x - other.x, at.y - other.y), 1);
       camera.zoom(distance(now) / distance(before), other);
+    } else if (pull) {
+      if (moved > 4) pull(now);
     } else if (!others.length) {
       const scrolls = event.pointerType === "touch"; // one finger up or down scrolls the page
       camera.pan(now.x - before.x, scrolls ? 0 : now.y - before.y);
     }
-    moved += Math.hypot(now.x - before.x, now.y - before.y);
     if (moved > 4 && !element.hasPointerCapture(event.pointerId)) element.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, now);
   });
+  // A finger that holds something does not scroll the page.
+  element.addEventListener("touchstart", (event) => pull && event.preventDefault(), { passive: false });
   for (const kind of ["pointerup", "pointercancel"]) {
     element.addEventListener(kind, (event) => {
       if (kind === "pointerup" && pointers.has(event.pointerId) && moved <= 4) onClick(event);

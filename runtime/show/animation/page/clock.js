@@ -35,6 +35,11 @@ export class Clock {
     this.notify();
   }
 
+  stopAt(t) {
+    this.playing = false;
+    this.seek(t);
+  }
+
   notify() {
     for (const listener of this.listeners) listener(this.t);
   }
@@ -73,8 +78,7 @@ export class Clock {
 
   /** Frames forward or back, at rest. */
   step(frames) {
-    this.playing = false;
-    this.seek(this.t + frames * FRAME * this.speed);
+    this.stopAt(this.t + frames * FRAME * this.speed);
   }
 
   /** Another speed, `places` further in the list. */

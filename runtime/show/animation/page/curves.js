@@ -2,7 +2,7 @@
 
 import { inflated } from "./data.js";
 import { mixed } from "./poses.js";
-import { short } from "./signs.js";
+import { short, svg } from "./signs.js";
 
 const ROUNDING = 1e-12; // of the largest value of a curve: what is nearer to 0 is shown as 0
 const TEXTS = 120; // ms between changes of the numbers in legends
@@ -12,6 +12,8 @@ const DEFAULTS = [
   ["All bodies", /^position/], ["All bodies", /^velocity/], ["Effects", /./], ["Drivers", /./], ["", /./],
 ];
 const DASHES = [[], [6, 3], [2, 2], [8, 3, 2, 3]];
+const PALE = 0.55; // opacity of curves of a colour whose dashes are all taken
+const COLORS = { "Joints N": "reaction", "Drivers N": "driver", "Effects N": "force" }; // by section and unit
 
 /** The colour of a name in the style sheet. */
 export function color(name) {
@@ -173,6 +175,7 @@ class Panel {
       .flatMap((name, k) => scenes.map((scene, run) => ({ name, scene, run, k, series: scene.byName.get(name) })))
       .filter(({ series }) => series);
     this.lines = all.slice(0, this.plot.renderers.length);
+    const counts = {}; // of curves so far that share a colour
     this.plot.renderers.forEach((renderer, k) => {
       const line = this.lines[k];
       renderer.visible = Boolean(line);
@@ -180,8 +183,12 @@ class Panel {
       renderer.data_source.data = data;
       if (!line) return;
       line.renderer = renderer;
-      line.color = several ? line.run % 7 : line.k % 7;
-      renderer.glyph.line_dash = { value: DASHES[several ? line.k % DASHES.length : 0] };
+      const other = group.unit === "N m" ? "torque" : (COLORS[`${group.section} ${group.unit}`] ?? "ink");
+      line.color = several ? `line-${line.run % 7}` : line.scene.colorOf(line.series, other);
+      const count = (counts[line.color] = (counts[line.color] ?? -1) + 1);
+      line.dash = DASHES[count % DASHES.length];
+      renderer.glyph.line_dash = { value: line.dash };
+      renderer.glyph.line_alpha = { value: count < DASHES.length ? 1 : PALE };
       this.legend.append(this.chip(line, several));
     });
     if (all.length > this.lines.length) {
@@ -197,12 +204,13 @@ class Panel {
   chip(line, several) {
     const chip = document.createElement("button");
     chip.type = "button";
-    chip.className = `chip line-${line.color}`;
+    chip.className = "chip";
     chip.setAttribute("aria-pressed", "true");
     chip.title = "show or hide this curve";
-    chip.textContent = several ? `${line.name}, ${line.scene.run.label} ` : `${line.name} `;
+    const stroke = { d: "M0 3H22", stroke: `var(--${line.color})`, "stroke-dasharray": line.dash.join(" ") };
     line.value = document.createElement("b");
-    chip.append(line.value);
+    chip.append(svg("svg", { viewBox: "0 0 22 6", "aria-hidden": "true" }, svg("path", stroke)),
+      several ? `${line.name}, ${line.scene.run.label} ` : `${line.name} `, line.value);
     chip.addEventListener("click", () => {
       line.renderer.visible = !line.renderer.visible;
       chip.setAttribute("aria-pressed", String(line.renderer.visible));
@@ -220,7 +228,7 @@ class Panel {
       });
     }
     for (const part of this.plot.center) if ("grid_line_color" in part) part.grid_line_color = grid;
-    for (const line of this.lines) line.renderer.glyph.line_color = { value: color(`line-${line.color}`) };
+    for (const line of this.lines) line.renderer.glyph.line_color = { value: color(line.color) };
   }
 
   /** Moves the time cursor, and writes the values at it. */

@@ -13,7 +13,7 @@ export const KEYS = [
   [["l"], "l", "loop", "loop"],
   [["+", "="], "+", "zoom in", "zoomIn"],
   [["-"], "−", "zoom out", "zoomOut"],
-  [["0"], "0", "show everything", "fit"],
+  [["0"], "0", "the whole flight, or the machine", "fit"],
   [["w"], "w", "view up", "panUp"],
   [["a"], "a", "view to the left", "panLeft"],
   [["s"], "s", "view down", "panDown"],

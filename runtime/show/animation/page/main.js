@@ -6,7 +6,7 @@ import { connectControls, makeActions } from "./controls.js";
 import { Curves, keepOutOfFocus, loadPanels } from "./curves.js";
 import { readBlock } from "./data.js";
 import { listKeys, listenToKeys } from "./keys.js";
-import { Scene } from "./scene.js";
+import { empty, include, Scene } from "./scene.js";
 import { short, svg } from "./signs.js";
 import { Stage } from "./stage.js";
 import { tellState } from "./state_text.js";
@@ -47,7 +47,8 @@ class Player {
       ended.hidden = true;
       figure.append(ended);
       holder.append(figure);
-      return new Stage(figure, scene, this.cameras[k], this.shown, (element) => this.choose(element));
+      const [choose, seek] = [(element) => this.choose(element), (t) => this.clock.stopAt(t)];
+      return new Stage(figure, scene, this.cameras[k], this.shown, choose, seek);
     });
     const [left, bottom, right, top] = this.camera.box;
     const aspect = Math.min(Math.max((right - left) / (top - bottom), 0.7), 2);
@@ -150,18 +151,17 @@ class Player {
 
 /** A camera for each run, which all move together; runs of one machine have the same scale. */
 function camerasOf(scenes) {
-  const cameras = scenes.map(({ run: { title } }) => {
-    const alike = scenes.filter(({ run }) => run.title === title);
-    return new Camera(...[0, 1].map((k) => union(alike.map((scene) => scene.extent(k === 0 ? scene.first : null)))));
+  const views = scenes.map((scene) => scene.view);
+  const cameras = scenes.map(({ run: { title } }, k) => {
+    const boxes = ["machine", "whole"].map((name) => {
+      const box = empty();
+      scenes.forEach(({ run }, other) => run.title === title && include(box, views[other][name]));
+      return box.every(Number.isFinite) ? box : [-1, -1, 1, 1];
+    });
+    return new Camera(...boxes, views[k].follows ? scenes[k].middle : null);
   });
   for (const camera of cameras) camera.linked = cameras;
   return cameras;
-}
-
-/** The box round several. */
-function union(boxes) {
-  const side = (k, choose) => choose(...boxes.map((one) => one[k]));
-  return [side(0, Math.min), side(1, Math.min), side(2, Math.max), side(3, Math.max)];
 }
 
 async function main() {

@@ -3,6 +3,7 @@
 import { inWorld, locate, mixed, pairs, poseOf, summed } from "./poses.js";
 
 const SURVEYED = 240; // instants at which extents are taken
+const FAR = 4; // times the machine's size that it travels, above which the view goes along
 const LARGEST_TURN = 0.3; // rad between samples, above which the nearer one is shown
 
 /** The largest turn of a body from each sample to the next, rad. */
@@ -10,6 +11,18 @@ function turnsBetween(bodies, count) {
   return Float64Array.from({ length: Math.max(count - 1, 1) }, (_, k) =>
     bodies.reduce((largest, { pose: [, , phi] }) => Math.max(largest, Math.abs(phi[k + 1] - phi[k]) || 0), 0),
   );
+}
+
+/** A box without a point. */
+export function empty() {
+  return [Infinity, Infinity, -Infinity, -Infinity];
+}
+
+/** Enlarges a box by another one. */
+export function include(box, other) {
+  other.forEach((value, k) => {
+    box[k] = k < 2 ? Math.min(box[k], value) : Math.max(box[k], value);
+  });
 }
 
 /** The scene of a run, in its unit of length; `show(t)` brings poses to an instant. */
@@ -35,6 +48,11 @@ export class Scene {
     const named = symbols.filter(({ role, shape, at }) => at && (role === "joint" || shape === "trace"));
     this.names = [...new Map(named.toReversed().map((one) => [one.element, one])).values()].toReversed();
     this.joints = symbols.filter(({ shape }) => shape === "reaction").length;
+    this.ties = symbols.flatMap(({ element, role, ties, lines, i, j }) => {
+      const pair = (role === "joint" && ties) || (lines && [i.body ?? 0, j.body ?? 0]);
+      return pair ? [{ element, pair }] : [];
+    });
+    this.tied = new Set(this.ties.map(({ element }) => element));
     this.gravity = symbols.find(({ gravity }) => gravity)?.gravity;
     this.byName = new Map(run.series.map((one) => [one.name, one]));
     this.show(this.start);
@@ -83,46 +101,91 @@ export class Scene {
     this.show(t);
   }
 
+  /** The bodies that joints and springs hold to the ground at present; all where they hold none. */
+  get held() {
+    const ties = this.ties.filter(({ element }) => this.acts(element));
+    if (ties.length === this.heldBy?.length && ties.every((tie, k) => tie === this.heldBy[k])) return this.heldBodies;
+    const every = this.bodies.map((_, body) => body);
+    const bodies = new Set(every.filter((body) => this.bodies[body].fixed));
+    const fixed = bodies.size;
+    for (let known = 0; known < bodies.size; ) {
+      known = bodies.size;
+      for (const { pair } of ties) if (pair.some((body) => bodies.has(body))) pair.forEach((body) => bodies.add(body));
+    }
+    [this.heldBy, this.heldBodies] = [ties, bodies.size > fixed ? bodies : new Set(every)];
+    return this.heldBodies;
+  }
+
+  /** The middle of the bodies that are held, at the present instant. */
+  get middle() {
+    const moving = [...this.held].filter((body) => !this.bodies[body].fixed);
+    const mean = (c) => moving.reduce((sum, body) => sum + this.poses[body][c], 0) / Math.max(moving.length, 1);
+    return { x: mean("x"), y: mean("y") };
+  }
+
   /**
-   * All points that are to be seen over the run: [x least, y least, x largest, y largest]; within a
-   * limit of this form, if any, beyond which points have flown away.
+   * Boxes [x least, y least, x largest, y largest] of the view: of the machine, of all of the run;
+   * and whether the machine travels so far that the first is one to go along with its middle.
    */
-  extent(limit) {
-    const box = [Infinity, Infinity, -Infinity, -Infinity];
-    this.survey(() => this.enlarge(box, limit));
-    return box.every(Number.isFinite) ? box : [-1, -1, 1, 1];
+  get view() {
+    const [machine, whole] = [empty(), empty()];
+    const [around, { x, y }] = [empty(), this.middle];
+    this.survey(() => {
+      const now = this.enlarge(empty(), this.held);
+      if (!now.every(Number.isFinite)) return;
+      const { x: dx, y: dy } = this.middle;
+      include(machine, now);
+      include(around, [now[0] + x - dx, now[1] + y - dy, now[2] + x - dx, now[3] + y - dy]);
+      include(whole, this.enlarge(empty()));
+    });
+    const reach = (box) => Math.max(box[2] - box[0], box[3] - box[1]);
+    const follows = reach(machine) > FAR * Math.max(reach(around), this.size);
+    return { machine: follows ? around : machine, whole, follows };
   }
 
-  /** Where the machine is at first, and its size round that. */
-  get first() {
-    const [left, bottom, right, top] = this.enlarge([Infinity, Infinity, -Infinity, -Infinity]);
-    return [left - this.size, bottom - this.size, right + this.size, top + this.size];
-  }
-
-  /** Enlarges a box by all points at the present instant. */
-  enlarge(box, limit) {
+  /**
+   * Enlarges a box by all points at the present instant, or those of some bodies; by lines of the
+   * ground that hold none of these, such as a floor, only as far as these lie.
+   */
+  enlarge(box, only) {
     const add = ({ x, y }, margin = 0) => {
-      if (limit && (x < limit[0] || y < limit[1] || x > limit[2] || y > limit[3])) return;
       box[0] = Math.min(box[0], x - margin);
       box[1] = Math.min(box[1], y - margin);
       box[2] = Math.max(box[2], x + margin);
       box[3] = Math.max(box[3], y + margin);
     };
+    const counts = (body) => !only || only.has(body);
     this.bodies.forEach(({ outlines }, body) => {
-      for (const point of outlines.flat()) add(this.place({ body, ...point }));
+      if (counts(body)) for (const point of outlines.flat()) add(this.place({ body, ...point }));
     });
-    for (const { body, corners, shift } of this.strokes) {
+    const floors = [];
+    for (const { body, corners, shift, element } of this.strokes) {
+      if (!counts(body)) continue;
+      if (only && this.bodies[body].fixed && !this.tied.has(element)) {
+        floors.push(...corners.map((point) => this.place({ body, ...point })));
+        continue;
+      }
       const frame = shift && [poseOf(shift, this.at)];
       for (const point of corners) add(this.place({ ...(frame ? inWorld(frame, { body: 0, ...point }) : point), body }));
     }
     const { links, names, drives, traces } = this;
     const places = [...links.flatMap(({ i, j }) => [i, j]), ...[...names, ...drives, ...traces].map(({ at }) => at)];
-    for (const place of places) add(this.place(place), 3 * this.u);
+    for (const place of places) if (place.path || counts(place.body)) add(this.place(place), 3 * this.u);
+    const room = 4 * this.u;
+    const [left, bottom, right, top] = [box[0] - room, box[1] - room, box[2] + room, box[3] + room];
+    for (const { x, y } of floors) add({ x: Math.min(Math.max(x, left), right), y: Math.min(Math.max(y, bottom), top) });
     return box;
   }
 
   /** The number of a body's colour; the ground has none. */
   number(body) {
     return this.bodies[body].fixed ? "ground" : (body - 1) % 7;
+  }
+
+  /** The colour of a body's series, or of those of a point of it, as of its lines; else `other`. */
+  colorOf({ owner }, other) {
+    const point = this.traces.find(({ element }) => element === owner);
+    const body = point?.at.body ?? this.bodies.findIndex(({ name }) => name === owner);
+    return body > 0 && !this.bodies[body].fixed ? `line-${this.number(body)}` : other;
   }
 }

@@ -3,6 +3,7 @@
 import { drawArrows } from "./arrows.js";
 import { steer } from "./camera.js";
 import { drawFlashes } from "./flashes.js";
+import { Hold } from "./hold.js";
 import { drawNames, Labels } from "./labels.js";
 import { drawBodies, drawDrives, drawLinks } from "./lines.js";
 import { place, short, svg } from "./signs.js";
@@ -10,7 +11,10 @@ import { drawTraces } from "./traces.js";
 
 const SPACING = 0.04; // of the machine's size: of the places on edges that texts avoid
 const MAX_PLACES = 12; // of an edge
+const SLACK = 2; // px by which a pointer may be led away from a machine that it turns
 const TEXTS = 100; // ms between changes of the numbers at arrows
+
+let grounds = 0;
 
 /** Places along the edges of an outline, which texts avoid. */
 function edgePlaces(line, body, size) {
@@ -25,16 +29,22 @@ function edgePlaces(line, body, size) {
   });
 }
 
-/** A run within its figure; `choose(element)` is called for what is clicked on. */
+/**
+ * A run within its figure; `choose(element)` is called for what is clicked on, `seek(t)` with the
+ * instants to which a driven machine is turned by hand.
+ */
 export class Stage {
-  constructor(figure, scene, camera, shown, choose) {
-    Object.assign(this, { scene, camera, shown, chosen: "", written: 0 });
+  constructor(figure, scene, camera, shown, choose, seek) {
+    Object.assign(this, { scene, camera, shown, seek, chosen: "", written: 0 });
     this.svg = figure.querySelector("svg");
     this.svg.setAttribute("aria-label", ["Picture of", [scene.run.title, scene.run.label].filter(Boolean).join(", ")].join(" "));
     const world = svg("g", { class: "world" });
     const names = ["traces", "ground", "bodies", "between", "joints", "extras"];
     const layers = Object.fromEntries(names.map((name) => [name, svg("g", { class: name })]));
     world.append(...Object.values(layers));
+    layers.ground.id = `ground-${(grounds += 1)}`; // seen through the bodies that stand before it
+    layers.ground.classList.add("world"); // which the rules of its lines ask for, also in the second one
+    layers.bodies.after(svg("use", { class: "through", href: `#${layers.ground.id}` }));
     this.world = world;
     this.moving = [];
     this.add(layers.traces, drawTraces(scene));
@@ -54,10 +64,20 @@ export class Stage {
     steer(this.svg, camera, (event) => {
       const target = event.target.closest("[data-element], [data-body]");
       if (target) choose(target.dataset.element ?? target.dataset.body);
-    });
+    }, (event, at) => this.grab(event, at));
+    this.svg.classList.toggle("driven", Boolean(scene.run.driven));
     this.ended = figure.querySelector(".ended");
     this.edges = scene.bodies.flatMap(({ outlines }, body) => outlines.flatMap((line) => edgePlaces(line, body, scene.size)));
     this.look();
+  }
+
+  /** A function that turns a driven machine by the body under the pointer; none elsewhere. */
+  grab(event, at) {
+    const name = this.scene.run.driven && event.target.closest("[data-body]")?.dataset.body;
+    const body = this.scene.bodies.findIndex((one) => one.name === name && !one.fixed);
+    if (body < 0) return undefined;
+    const hold = new Hold(this.scene, body, this.camera.toWorld(at));
+    return (now) => this.seek(hold.nearest(this.camera.toWorld(now), SLACK / this.camera.scale));
   }
 
   add(layer, parts) {
@@ -87,7 +107,8 @@ export class Stage {
     const [gx, gy] = this.scene.gravity;
     const turn = `rotate(${(Math.atan2(-gy, gx) * 180) / Math.PI})`;
     const line = svg("path", { d: "M-16 0H16M10 -4L16 0L10 4", transform: turn });
-    return [svg("g", { class: "gravity", transform: "translate(26 26)" }, svg("title", {}, "gravity"), line)];
+    const text = svg("text", { x: 24, y: 4 }, `gravity ${short(Math.hypot(gx, gy))} m/s²`);
+    return [svg("g", { class: "gravity", transform: "translate(26 26)" }, line, text)];
   }
 
   look() {
@@ -119,6 +140,7 @@ export class Stage {
       this.ended.textContent = early ? `begins at t = ${short(this.scene.start)} s` : `ended at t = ${short(this.scene.end)} s`;
     }
     this.scene.show(Math.min(Math.max(t, this.scene.start), this.scene.end));
+    if (this.camera.from) this.camera.follow(this.scene.middle);
     for (const { update } of this.moving) update();
     for (const { element, nodes } of this.intermittent) {
       for (const node of nodes) node.toggleAttribute("hidden", !this.scene.acts(element));

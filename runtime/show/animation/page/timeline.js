@@ -81,8 +81,7 @@ export class Timeline {
   goToEvent(forward) {
     const event = this.neighbour(forward);
     if (!event) return;
-    this.clock.playing = false;
-    this.clock.seek(event.t);
+    this.clock.stopAt(event.t);
   }
 
   /** The last event up to the present instant. */

@@ -1,0 +1,75 @@
+"""Events in words: those of results, of pages and of reports."""
+
+import re
+
+from codegen.readers.values import label_sides
+from runtime.core.kinds import Direction
+from runtime.mechanism.table_rows import NEXT_PIECE
+
+_LONGEST = 50  # layout: characters of a condition in a text
+_COMPARISON = re.compile(r"(\S+) ([<>])=? (\S+)")
+_QUANTITY = re.compile(r"(?:(\w+)_)?(x|y|phi|vx|vy|omega|t)")
+_UNITS = {"x": "m", "y": "m", "phi": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s", "t": "s"}
+
+
+def event_text(name: str, direction: int) -> str:
+    """What happened: `gas: x of slider passes 5 m`, or the words of its label.
+
+    Parameters
+    ----------
+    name
+        Of the event: `effect: condition`, or `singular: drivers and joints`.
+    direction
+        As `Event.direction` has it.
+    """
+    element, _, condition = name.partition(": ")
+    match Direction(direction):
+        case Direction.CROSSED:
+            return f"{condition}: a singular position is crossed"
+        case Direction.LOCKED:
+            return f"{condition}: the machine locks up"
+        case Direction.BEGAN | Direction.CEASED:
+            begins = direction == Direction.BEGAN
+            return _in_words(element, condition, begins) or f"{element}: {_cut(condition)} " + (
+                "begins to hold" if begins else "ceases to hold"
+            )
+        case Direction.HOLDS:
+            compared = _compared(condition)
+            where = f"{compared[0]} = {compared[2]}" if compared else _cut(condition)
+            return f"{element}: the motion stays on {where}"
+    return f"{element}: {_cut(condition)}, impact"
+
+
+def _in_words(element: str, condition: str, begins: bool) -> str:
+    """A comparison, or a label; empty for any other condition."""
+    if compared := _compared(condition):
+        quantity, rises, bound = compared
+        up = rises == begins
+        if re.fullmatch(r"0 (m|rad)/s", bound):
+            return f"{element}: {quantity} becomes {'positive' if up else 'negative'}"
+        return f"{element}: {quantity} {'passes' if up else 'falls below'} {bound}"
+    if condition == NEXT_PIECE:
+        return f"{element}: {condition}"
+    return "" if re.search("[<>]", condition) else label_sides(condition)[0 if begins else 1]
+
+
+def _compared(condition: str) -> tuple[str, bool, str] | None:
+    """Quantity, whether it is above its bound where the condition holds, and the bound."""
+    if (found := _COMPARISON.fullmatch(condition)) is None:
+        return None
+    left, sign, right = found.groups()
+    above = sign == ">"
+    if (known := _QUANTITY.fullmatch(left)) is None:
+        left, right, above = right, left, not above
+        known = _QUANTITY.fullmatch(left)
+    if known is None or (known[1] is None) != (known[2] == "t"):
+        return None
+    quantity = f"{known[2]} of {known[1]}" if known[1] else "t"
+    try:
+        return quantity, above, f"{float(right):.6g} {_UNITS[known[2]]}"
+    except ValueError:
+        return quantity, above, right
+
+
+def _cut(condition: str) -> str:
+    return condition[:_LONGEST] + " …" if len(condition) > _LONGEST else condition
