@@ -84,7 +84,7 @@ class NoAttributeError(ModelError, AttributeError):
 
 
 class TableWarning(UserWarning):
-    """A curve through the points of a table is not what the points show."""
+    """A curve through the points of a table deviates from the shape of the points."""
 
     def __init__(self, text: str = "") -> None:
         super().__init__(text)

@@ -33,7 +33,7 @@ _SETTINGS = ("accuracy", "rtol", "atol", "quantities", "method", "formulation")
 @named_attributes
 @checked_class
 class Machine(MachineStates):
-    """A mechanism in one scene, ready to be analysed; `runtime.load` makes one."""
+    """A mechanism in one scene, ready to be analysed; `load` returns one."""
 
     @shows_compilation
     def simulate(
@@ -53,73 +53,77 @@ class Machine(MachineStates):
         Parameters
         ----------
         t_end, t_eval
-            Last instant in s; output instants in s, increasing, or how many at equal distances, 501
-            unless given, or "steps": the end of every step. `Result.at` has all others.
+            Last instant in s. Output instants in s, increasing; or their number, at equal
+            distances, by default 501; or "steps", the end of every step. `Result.at` returns all
+            others.
         accuracy, quantities
-            The relative global error that the result may have, from 1e-12 to 0.1; names of the
-            series whose error is meant, by default the whole state. The program then chooses the
-            tolerances, and method and formulation unless they are given; `Result.accuracy` says
-            what was reached.
+            The relative global error that the result may have, from 1e-12 to 0.1, and the names of
+            the series that must have it, by default the whole state. The program then chooses the
+            tolerances, and method and formulation unless they are given; `Result.accuracy` has the
+            error that was reached.
         t_start, guess, start
-            First instant in s, by default that of `start` or 0. `start` sets values by name of
-            coordinate (m, rad) or velocity (m/s, rad/s), over those of the scene, and is refused
-            where the joints do not allow them; or it is a state in place of the scene's start: an
-            assembled one, a result's end or `Result.state(t)`, an equilibrium. Where joints come
-            and go, a run from a result or its state begins with those that act there. `guess` has
-            values with which the search for a start begins, in place of the scene's guesses; a name
-            that the scene fixes is refused. `Result.message` says what became of them.
+            First instant in s, by default the instant of `start`, or 0. `start` sets values by name
+            of coordinate (m, rad) or velocity (m/s, rad/s) in place of the scene's; values that the
+            joints do not allow are refused. Or `start` is a state: an assembled one, an
+            equilibrium, `Result.state(t)`, or a result, for its end. Where joints come and go, such
+            a run begins with the joints that act there. `guess` has the values at which the search
+            for a start begins, in place of the scene's guesses; a name that the scene fixes is
+            refused. `Result.message` says how far values were moved.
         method
-            "dop853" (default), of order 8, "dopri5" and "tsit5", of order 5, are explicit.
-            "radau5" and "bdf" are implicit, for stiff equations: contacts and springs much stiffer
-            than the motion is fast; "radau5" also where these vibrate. "auto" starts with "dop853"
-            and changes to an implicit method where the equations are stiff, and back. The last
-            three take exact derivatives, built when they are first needed.
+            "dop853" (default), of order 8, "dopri5" and "tsit5", of order 5, are explicit. "radau5"
+            and "bdf" are implicit, for stiff equations: contacts and springs that vibrate much
+            faster than the machine moves; take "radau5" if these vibrations are lightly damped.
+            "auto" starts with "dop853", changes to an implicit method where the equations are
+            stiff, and changes back. The last three need exact derivatives, which are built at the
+            first use.
         formulation
-            "cartesian" (default) equations integrate all coordinates, "reduced" those that no
-            constraint gives explicitly, with the same results.
+            "cartesian" (default) integrates all coordinates, "reduced" only those that do not
+            follow explicitly from constraints; the results are the same.
         rtol, atol
             A step has an error below `atol` + `rtol` times the value, for each coordinate and
-            velocity: `rtol` by default 1e-8; `atol` in m, rad, m/s, rad/s, by default `rtol` times
-            a typical size. That is 1 rad for angles; for lengths that of the machine at its start
-            (its longest arm; without arms its largest distance from the origin, or a fixed length),
-            but not more than 1 m; the same a second for velocities.
+            velocity: `rtol` is 1e-8 by default; `atol`, in m, rad, m/s or rad/s, is by default
+            `rtol` times a typical size. The typical size of an angle is 1 rad. The typical size of
+            a length is the size of the machine at its start (its longest arm; without arms its
+            largest distance from the origin, or a fixed length), but not more than 1 m. Velocities
+            have the same sizes per second.
         parameters
             Values by name, in the declared units; the others keep their defaults.
         controllers
             Sampled value that is declared without an expression → a function of yours that computes
             it at each of its samples, ``lambda sample: -4.0 * sample.q("arm.phi")``, from
-            `Sample.t`, `q`, `v` and `y`. A call takes some microseconds, where an expression takes
-            one. `accuracy` and the studies call the same function in several runs: one with a
-            memory begins anew at the first sample of a run, where `Sample.t` is not greater than
-            that of the sample before.
+            `Sample.t`, `q`, `v` and `y`. A call takes some microseconds; an expression takes one.
+            `accuracy` and the studies call the same function in several runs: a function with a
+            memory must begin anew at the first sample of a run, where `Sample.t` is not greater
+            than at the sample before.
         until
             Conditions on series of the result that end the run, by name: ``{"overload":
-            ("hinge.fx", ">", 500.0)}``, with "<" or ">". The run is made twice, to its end and to
-            there, with the answers that `controllers` gave in the first. Conditions on positions
-            and velocities belong into the scene, ``until=`` of `Model.scene`.
+            ("hinge.fx", ">", 500.0)}``, with "<" or ">". The run is made twice, first to `t_end`
+            and then to the condition, with the values that `controllers` returned in the first.
+            Conditions on positions and velocities belong in the scene, ``until=`` of `Model.scene`.
         correction, time_scale
-            States return onto the constraints once a "step" (dependent coordinates from independent
-            ones), at every "stage", by "projection", "baumgarte" or "hybrid", for which see
-            `runtime.integrate.problem.Options`; τ of Baumgarte's accelerations in s, by default a
-            thousandth of the run.
+            How states return onto the constraints: at every "step" (dependent coordinates from
+            independent ones), at every "stage", or by "projection", "baumgarte" or "hybrid", for
+            which see `runtime.integrate.problem.Options`. τ of Baumgarte's accelerations in s, by
+            default a thousandth of the run.
         first_step, max_step, max_steps, max_bytes, progress
-            Lengths in s, chosen by default; trial steps (`Outcome.MAX_STEPS`), by default 1e8, or
-            fewer where they get ever shorter towards an instant; bytes of recorded states
-            (`Outcome.MEMORY`), 1 GiB by default; whether a bar shows, once it has taken a second.
+            Lengths of steps in s, chosen by default. Largest number of trial steps
+            (`Outcome.MAX_STEPS`), by default 1e8, or fewer where steps get ever shorter. Largest
+            number of bytes of recorded states (`Outcome.MEMORY`), by default 1 GiB. Whether a bar
+            shows after a second.
         out
-            A place ending in .zarr, at which nothing stands: all quantities are written there in
-            chunks while the run goes on, and the result maps its numbers from temporary files
-            beside it, so that memory does not grow with the length of the run (events and changes
-            of the partition count as `max_bytes`). ``xarray.open_zarr(out)`` reads what is there at
-            any time; the attribute `outcome` is RUNNING until the run has ended, and for ever where
-            the process was killed, FAILED where an error ended it. Not of reduced coordinates,
-            with `accuracy`, `until`, works, or where joints come and go.
+            A path ending in .zarr that does not exist yet. All quantities are written there in
+            chunks during the run, and the result maps its numbers from temporary files beside it,
+            so that memory does not grow with the length of the run (`max_bytes` limits events and
+            changes of the partition). ``xarray.open_zarr(out)`` reads the store at any time. Its
+            attribute `outcome` is RUNNING until the run has ended, and remains so if the process
+            was killed; it is FAILED if an error ended the run. `out` is refused with reduced
+            coordinates, `accuracy`, `until` or works, and where joints come and go.
 
         Returns
         -------
         Result
-            Motion, reactions, powers, energies, modes, events; if it cannot go on, up to there: see
-            `Result.outcome` and `Result.message`.
+            Motion, reactions, powers, energies, modes, events. If the run cannot go on, the result
+            ends there: see `Result.outcome` and `Result.message`.
 
         Raises
         ------
@@ -128,7 +132,7 @@ class Machine(MachineStates):
             names what the scene fixes, or the samples need more memory than is free.
         AnalysisError
             If the scene has no masses, nothing is left to integrate, or not even the beginning can
-            be computed to the `accuracy` asked for.
+            be computed to the given `accuracy`.
 
         Examples
         --------
@@ -181,7 +185,7 @@ class Machine(MachineStates):
     ) -> "xr.Dataset":  # fmt: skip
         """Many runs of this machine, in several threads, as rows of one dataset.
 
-        Each has the numbers of the single analysis with its values, to the last bit.
+        Each run has the numbers of the single analysis with the same values, to the last bit.
 
         Parameters
         ----------
@@ -194,18 +198,18 @@ class Machine(MachineStates):
             the analysis: a number for all runs, or an array with one for each, (r,). At least one
             is an array.
         threads
-            How many there are, by default one for each core that the process may use; 1: the runs
-            are made in the thread that calls.
+            Number of threads, by default one for each core that the process may use; 1: the calling
+            thread makes the runs.
         max_bytes, progress
             Bytes that the dataset may take, 2 GiB by default; whether a bar shows.
 
         Returns
         -------
         xarray.Dataset
-            The variables of `Result.data`, with the dimension `run` before `time`, not a number
-            behind the end of a run that failed; `outcome`, `message` and `event_count` of each.
-            A run that is refused has the error's name as its outcome, and one that Ctrl-C left out
-            "not run".
+            The variables of `Result.data`, with the dimension `run` before `time`, and nan after
+            the end of a run that failed; `outcome`, `message` and `event_count` of each run. The
+            outcome of a run that was refused is the name of the error, and that of a run that
+            Ctrl-C left out is "not run".
 
         Raises
         ------
@@ -241,24 +245,25 @@ class Machine(MachineStates):
     ) -> "Result":  # fmt: skip
         """Positions, velocities and accelerations of a machine whose drivers leave no freedom.
 
-        Where the machine locks up, the result reaches to the last instant before, followed by the
-        position in which it locks, where velocities are not a number; the outcome says so. Singular
+        If the machine locks up, the result goes up to the last instant before, followed by the
+        position in which it locks, where velocities are nan; the outcome says so. Singular
         configurations in which motions cross are passed on the branch on which the velocity is
         continuous. Both are events, and described in `Result.singular`.
 
         Parameters
         ----------
         t_end, t_eval
-            As for `simulate`: a number is the last instant in s, and the motion up to it is sampled
-            at 501 instants, at as many as `t_eval` says, or at those that it has, increasing. These
-            may also be all that is given: `[1.0]` is the one instant 1 s.
+            As for `simulate`: the last instant in s, and the output instants, increasing, or their
+            number, by default 501. The output instants may also be given alone, in place of
+            `t_end`: `[1.0]` is the one instant 1 s.
         parameters, guess, start
-            Values by name, in the declared units; values by name of coordinate or velocity, SI
-            units, with which the search for the start begins, and such that are kept, as for
-            `simulate`. The others keep their defaults, and what the scene says.
+            Parameter values by name, in the declared units, in place of the defaults. Values by
+            name of coordinate or velocity, in SI units, in place of the scene's: `guess` for the
+            beginning of the search for the start, `start` for values that are kept, as for
+            `simulate`.
         t_start
             Instant in s to which the start values belong. The machine is assembled there and
-            followed to the first of the others, so that it stays on the branch on which it starts.
+            followed to the first output instant, so that it stays on the branch on which it starts.
         progress
             Whether a terminal shows a bar.
 
@@ -287,7 +292,7 @@ class Machine(MachineStates):
         guess: Values | None = None, start: Values | None = None, t_start: float = 0.0,
         progress: bool = True,
     ) -> "Result":  # fmt: skip
-        """Forces and torques that a prescribed motion takes, and the reactions in the joints.
+        """Forces and torques that a prescribed motion requires, and the reactions in the joints.
 
         The motion is that of `kinematics`; the reaction of a driver is the force or torque that it
         exerts on the body that it moves.
@@ -340,10 +345,11 @@ class Machine(MachineStates):
         method
             "energy": a minimum of the total potential energy; with states of first order and
             sampled values, positions and states at which all rates vanish. "settling": a damped
-            motion until rest, which also finds the way from a start far off.
+            motion until rest, which also succeeds from a start far from it.
         guess, parameters
-            Positions by name of coordinate, and states, SI units, at which the search begins, over
-            those of the scene; what that fixes is free here. Values by name, in the declared units.
+            Positions by name of coordinate, and states, in SI units, at which the search begins, in
+            place of the scene's; start values of the scene are free here. Parameter values by name,
+            in the declared units.
         t, progress
             Instant in s at which drivers and forces are frozen; whether a terminal shows a bar.
 
@@ -351,14 +357,14 @@ class Machine(MachineStates):
         -------
         Equilibrium
             A result of one instant, with stability, natural frequencies and the unbalanced share of
-            the forces. Its outcome is `Outcome.UNBALANCED` where no equilibrium was found.
+            the forces. Its outcome is `Outcome.UNBALANCED` if no equilibrium was found.
 
         Raises
         ------
         AnalysisError
             If the scene has no masses or no degree of freedom, if it has rigid contacts or friction
             that sticks, if forces at the start are not finite, if `method` does not exist, or is
-            "settling" with states, or if a run brings the functions of sampled values.
+            "settling" with states, or if a sampled value is computed by a function of yours.
         AssemblyError, InputError
             As `simulate`.
 

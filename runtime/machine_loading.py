@@ -36,20 +36,20 @@ def load(
     folder: str | os.PathLike[str] | None = None,
     generated: str | os.PathLike[str] | None = None,
 ) -> "Machine":  # fmt: skip
-    """Load a machine, building its kernels where they are missing or older than the model.
+    """Load a machine; build its kernels if they are missing or older than the model.
 
     Parameters
     ----------
     model
-        Path of a model file, or a name: `models/NAME.py` in the folder one works in, else the
-        library's model of that name; a name may have folders in it, `"hard/pendulum"`. A `Model`
-        declared in the running program is built anew.
+        Path of a model file, or a name: `models/NAME.py` in `folder`, or else the library's model
+        of that name; a name may contain folders, `"hard/pendulum"`. A `Model` declared in the
+        running program is built anew.
     scene
-        Name of the scene; without one, the first that the model declares. Or a scene itself, as
-        `without` and `with_` make it: ``model.scene("run").without("gas")``.
+        Name of the scene, by default the first that the model declares. Or a scene itself, as
+        `without` and `with_` return it: ``model.scene("run").without("gas")``.
     folder
-        The folder one works in: `models/` is looked for there, and a user's own models are
-        generated into its `generated/`. The current directory unless given.
+        The working folder, by default the current directory: it may contain `models/`, and the
+        modules of a user's models are generated into its `generated/`.
     generated
         The folder of the generated modules, as `build(out=...)` names it, relative to `folder`; by
         default `generated/` in `folder`, and for a model of the library the library's own.

@@ -33,7 +33,7 @@ _SHOWN = 8  # layout: parameters that the text names
 
 @checked_class
 class MachineStates:
-    """A mechanism in one scene before any analysis; `mechanism` is the data that analyses take."""
+    """A mechanism in one scene, before any analysis; `mechanism` has the data for analyses."""
 
     mechanism: Mechanism
 
@@ -129,7 +129,7 @@ class MachineStates:
 
     @cached_property
     def degrees_of_freedom(self) -> int:
-        """Coordinates less independent constraints, those of drivers included, at the start.
+        """Coordinates minus independent constraints, drivers included, at the start.
 
         States of first order and sampled values do not count: `states` has them.
 
@@ -166,8 +166,9 @@ class MachineStates:
         Raises
         ------
         InputError, ParameterError
-            If `overrides` is no mapping from names to numbers; one sentence for each value that is
-            unknown, not finite or of the wrong sign, and for coefficients that make no sense.
+            If `overrides` is not a mapping from names to numbers. One sentence for each name that
+            is unknown, each value that is not finite or of the wrong sign, and coefficients that
+            make no sense.
         """
         return parameter_values(self.mechanism, overrides)
 
@@ -190,9 +191,9 @@ class MachineStates:
         Returns
         -------
         (s,) int64
-            1 where the condition holds, or is about to, at its boundary; 0 where it does not; 2
-            where the switching function stays at zero: the motion slides on the switching surface,
-            friction sticks, or a rigid contact is closed.
+            1 if the condition holds, or begins to hold at its boundary; 0 if it does not; 2 if the
+            switching function stays at zero: the motion slides on the switching surface, friction
+            sticks, or a rigid contact is closed.
 
         Raises
         ------
@@ -226,12 +227,12 @@ class MachineStates:
         Parameters
         ----------
         at
-            An instant in s, at which the start is assembled (drivers stand where they are then);
-            or a state: what `assemble` returns, `Result.state(t)`, a result at its end.
+            An instant in s, at which the start is assembled, with drivers at their values then; or
+            a state: from `assemble`, from `Result.state(t)`, or a result, for its end.
         parameters, guess
             As for `assemble`: values by name, in the declared units; positions in m and rad.
         dimensions, forces, frames, names
-            As for `Model.draw`; forces are the applied ones. `Result.draw` has reactions too.
+            As for `Model.draw`; forces are the applied forces. `Result.draw` draws reactions, too.
 
         Returns
         -------
@@ -266,12 +267,13 @@ class MachineStates:
         Parameters
         ----------
         guess
-            Values by name of coordinate (m, rad) or velocity (m/s, rad/s) with which the search
-            begins, in place of the scene's guesses; of no name that the scene or `start` fixes.
+            Values by name of coordinate (m, rad) or velocity (m/s, rad/s) at which the search
+            begins, in place of the scene's guesses; not of a name that the scene or `start` fixes.
         parameters, t
             Values by name, in the declared units, the others keep their defaults; instant in s.
         start
-            Values by name, as in `guess`, that are kept, over those that the scene fixes.
+            Values by name, as in `guess`, that are kept, in place of the values that the scene
+            fixes.
 
         Returns
         -------
@@ -282,8 +284,8 @@ class MachineStates:
         Raises
         ------
         AssemblyError
-            If the joints do not close; it names the joints, with the gaps that are left. If `guess`
-            names what the scene fixes; it has the names, with the scene's values.
+            If the joints do not close: the message names the joints, with the remaining gaps. If
+            `guess` names what the scene fixes: the message has the names, with the scene's values.
         InputError
             If a name is in `guess` and in `start`, or an argument is of another kind.
         RedundancyError

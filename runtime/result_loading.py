@@ -49,27 +49,26 @@ _machine = readers.instance("runtime.machine_facade", "Machine", "a machine, as 
 
 @readers.reads(path=readers.path, machine=readers.optional(_machine))
 def load_result(path: str | os.PathLike[str], machine: "Machine | None" = None) -> "Result":
-    """The result that `Result.save` wrote into a .nc file or a .zarr store, with all that it had.
+    """Return the result that `Result.save` wrote into a .nc file or a .zarr store.
 
-    The machine computes its quantities again from its states, with the same bits. `Result.at` and
-    `Result.resume` take the run again from its start, since no checkpoint stands in a file: they
-    return the same bits, after as long as the run took. Functions of your own that control a run,
-    which no file keeps, are missing there: simulate anew. That of an equilibrium comes back as a
-    plain result.
+    The machine computes the quantities again from the states, with the same bits. `Result.at` and
+    `Result.resume` repeat the run from its start, since files have no checkpoints: they return the
+    same bits, after as long as the run took. They fail for a run with functions of your own in
+    `controllers=`, which no file keeps: simulate anew. An `Equilibrium` is read as a plain result.
 
     Parameters
     ----------
     path
         A file ending in .nc or a store ending in .zarr, in any folder.
     machine
-        The machine of the result; unless given, that of its model and scene which is loaded. That
-        of an equilibrium, whose file does not tell the text of its model, must be given.
+        The machine of the result; by default the loaded machine of the same model and scene. For an
+        equilibrium, whose file does not have the hash of its model, it must be given.
 
     Raises
     ------
     InputError
-        If the file cannot be read or was not written by `Result.save`, if the model is another
-        one than it was, or if `machine` is not given and none of the result's scene is loaded.
+        If the file cannot be read or was not written by `Result.save`, if the model has changed, or
+        if `machine` is not given and no machine of the result's scene is loaded.
     """
     place = Path(path)
     try:

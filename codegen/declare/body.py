@@ -1,9 +1,9 @@
 """Bodies, and the points, curves and outlines on them.
 
-A body answers its coordinates, where a point and an axis of it are (r + A s'), its mass block and
-inertia force, and equations between its coordinates. One whose orientation is not an angle answers
-`position`, `rotation`, `angular_velocity`, `mass_matrix` and `equations`, and None for `angle`;
-`Model.add` declares it.
+The methods of a body return its coordinates, the place of a point and of an axis (r + A s'), its
+mass block and inertia force, and equations between its coordinates. A body whose orientation is not
+an angle defines `position`, `rotation`, `angular_velocity`, `mass_matrix` and `equations`, and
+`angle` as None; `Model.add` declares it.
 """
 
 from dataclasses import dataclass, field
@@ -50,7 +50,7 @@ class Body(Pose):
     model
         Token of the model that the body belongs to.
     outlines
-        Closed polygons of points (x', y'), m, by which it is drawn; empty: its joints say.
+        Closed polygons of points (x', y'), m, that draw the body; if empty, they follow from joints.
     center
         The centre of mass in the axes of the drawing, m; (0, 0) without an outline.
     fixed, turns
@@ -213,8 +213,8 @@ Bodies = tuple[Body, ...]
 class Point:
     """A point of a body, at (sx, sy) of the body's frame, in metres.
 
-    Where sx or sy depends on t or on coordinates, the point moves in the body by itself, and its
-    velocity has that motion.
+    If sx or sy depends on t or on coordinates, the point moves in the body, and its velocity
+    includes this motion.
     """
 
     body: Body
@@ -269,7 +269,7 @@ class Point:
 class Curve:
     """A curve fixed in a body: x'(α), y'(α) in the body's frame, m; closed ones have period 2π.
 
-    `pace` is a typical |c'|, m per rad, by which equations are divided that hold tangents.
+    `pace` is a typical |c'|, m per rad, by which equations with tangents are divided.
     """
 
     body: Body

@@ -180,7 +180,7 @@ class FrictionLaw:
 @declaring_class("Sticking")
 @dataclass(frozen=True)
 class Sticking:
-    """A friction that may hold: its force is turned round where the slip changes sign.
+    """A friction that may hold: its force changes its sign with the slip.
 
     The effect writes its force with the symbol ``side(name)``, σ = 1 where ṡ > 0 and σ = -1 where
     not. At ṡ = 0 it exerts whatever keeps ṡ there, up to μ_s/μ times its force in sliding.
@@ -280,12 +280,12 @@ class Constraint(Element, Protocol):
 class Effect(Element, Protocol):
     """A force: brings a potential V or generalized forces Q.
 
-    One that follows from a joint's reaction answers, besides, ``friction() -> FrictionLaw``; one
-    that sticks, is a rigid contact or a freewheel ``hold(bodies) -> Sticking | Rigid | OneWay |
-    None``; one whose forces act along scalars ``pulls(bodies) -> ((s, f), ...)``; one that reports
-    a force ``reported(bodies) -> ((component, unit, value), ...)``; one whose lengths, forces and
-    other quantities a scene may name among its outputs ``measures(bodies) -> (Measure, ...)``; of
-    others these follow from the rest. `bodies` are those of the scene.
+    Further methods, by kind: ``friction() -> FrictionLaw`` for a force from a joint's reaction;
+    ``hold(bodies) -> Sticking | Rigid | OneWay | None`` for friction that sticks, rigid contacts
+    and freewheels; ``pulls(bodies) -> ((s, f), ...)`` for forces along scalars; ``reported(bodies)
+    -> ((component, unit, value), ...)`` for a reported force; ``measures(bodies) -> (Measure,
+    ...)`` for quantities that a scene may name as outputs, which otherwise follow from the others.
+    `bodies` are those of the scene.
     """
 
     def potential(self, bodies: Bodies) -> sympy.Expr | None:

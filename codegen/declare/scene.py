@@ -113,7 +113,7 @@ class Scene(Choices):
     connected
         The joints that act of those that come and go in a run.
     fidelity
-        Effect or coupler → how it is taken, where it has more than one fidelity and the scene says.
+        Effect or coupler → its fidelity, where it has several and the scene chooses one.
     start
         Coordinate or velocity (``"crank.phi"``, ``"crank.omega"``) → value that must hold.
     guess
@@ -123,7 +123,8 @@ class Scene(Choices):
     frozen
         Whether the parameters are folded into the code as numbers.
     analysis
-        ``"kinematics"`` compiles no mass and no force, ``"equilibrium"`` nothing of motion.
+        ``"kinematics"`` compiles no mass and no force, ``"equilibrium"`` nothing that only a motion
+        needs.
     outputs
         The outputs computed in addition to the motion; None means all.
     until
@@ -131,7 +132,7 @@ class Scene(Choices):
     request, owner
         The request that the scene resolves, and the model that declared it.
     expression, root, problems
-        Of a scene varied by `without` and `with_`: its expression, the declared scene, its faults.
+        For a scene varied by `without` and `with_`: its expression, the declared scene, its faults.
     """
 
     name: str
@@ -158,12 +159,13 @@ class Scene(Choices):
         return self._owner().varied(self, out=elements, taken=())
 
     def with_(self, *elements: Any, fidelity: Any = None, **changes: Any) -> "Scene":
-        """The scene with effects or drivers taken in, or bodies and joints taken back.
+        """The scene with further effects or drivers, or with bodies and joints restored.
 
         Parameters
         ----------
         fidelity
-            How all of them are taken, a word; or a mapping, of any elements.
+            A word, the fidelity of all these elements; or a mapping from any elements to
+            fidelities.
         changes
             ``start``, ``guess``, ``parameters``, ``frozen``, ``analysis`` and ``outputs``, as in
             `Model.scene`.

@@ -78,9 +78,9 @@ def element(
     Parameters
     ----------
     cls
-        A class that answers `Constraint` (`kind`, `name`, `bodies`, `problems()`, `statement()`)
-        or `Effect` (`potential()` and `forces()` in place of `statement()`), with a docstring.
-        One that derives from either inherits all but `kind`, `name` and `statement()`.
+        A class with a docstring and the members of `Constraint` (`kind`, `name`, `bodies`,
+        `problems()`, `statement()`) or of `Effect` (`potential()` and `forces()` in place of
+        `statement()`). A subclass of either inherits all but `kind`, `name` and `statement()`.
     driver
         Whether its equations prescribe a motion: ``@element(driver=True)``.
 
@@ -91,8 +91,8 @@ def element(
 
     Notes
     -----
-    A user's class that is defined anew, as by a cell of a notebook that runs again, replaces the
-    one before.
+    A user's class that is defined again, as by a cell of a notebook that runs again, replaces the
+    earlier class.
     """
     if not is_flag(driver):
         raise ModelError(f"element(driver={shown(driver)}): write True or False.")

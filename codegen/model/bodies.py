@@ -45,19 +45,19 @@ class MovingBodies(Constraints):
         Parameters
         ----------
         mass, inertia
-            Numbers in kg and kg m², pint quantities, parameters or expressions of them; may be
-            left out where only kinematic scenes use the body. With an outline the mass of the
+            Numbers in kg and kg m², pint quantities, parameters or expressions of them; may be left
+            out if only kinematic scenes use the body. With an outline, `mass` is the mass of the
             plate, in place of thickness and density.
         draw
-            The outline by which the body is drawn: corners ``[(x', y'), ...]`` of a closed polygon
-            in its frame, m, or several outlines; `disc` and `rectangle` make some. Its joints and
-            forces give it one otherwise.
+            The outline that draws the body: corners ``[(x', y'), ...]`` of a closed polygon in its
+            frame, m, or several outlines; `disc` and `rectangle` return some. Otherwise the outline
+            follows from joints and forces.
         outline
-            Of a plate of one thickness and one material: `polygon`, `bar`, `disc`, `rectangle`, or
-            `read_outline` of a DXF or SVG file, with holes; or the corners of a polygon. The body
-            is drawn by it, unless `draw` says otherwise.
+            The outline of a plate of one thickness and one material: `polygon`, `bar`, `disc`,
+            `rectangle`, or `read_outline` of a DXF or SVG file, with holes; or the corners of a
+            polygon. It draws the body, unless `draw` is given.
         thickness, density
-            Of the plate, m and kg/m³; left out where only kinematic scenes use the body.
+            Of the plate, m and kg/m³; may be left out if only kinematic scenes use the body.
         """
         where = f"body '{name}'"
         m = self._positive(mass, "kg", f"mass of {where}")
@@ -104,13 +104,13 @@ class MovingBodies(Constraints):
     def coupler(
         self, name: str, i: Place, j: Place, length: Any, mass: Any = None, inertia: Any = None
     ) -> Body:
-        """A rod of `length` from a pin at `i` to a pin at `j`; scenes choose how heavy it is.
+        """A rod of `length` from a pin at `i` to a pin at `j`; scenes choose its fidelity.
 
-        The body `name` has its centre of mass midway, the pins at x' = ±length/2, and the
-        revolute joints ``{name}_i`` and ``{name}_j``. In a scene with ``couplers={name: "link"}``
-        the massless link ``{name}_link`` takes its place; with ``"lumped"`` this link and half the
-        mass at either pin, the particles ``{name}_half_i`` and ``{name}_half_j``. A body of
-        the inertia m L²/4 moves as the lumped one does.
+        The body `name` has its centre of mass midway, the pins at x' = ±length/2, and the revolute
+        joints ``{name}_i`` and ``{name}_j``. In a scene with ``couplers={name: "link"}`` the
+        massless link ``{name}_link`` takes its place. With ``"lumped"`` the particles
+        ``{name}_half_i`` and ``{name}_half_j``, half the mass at each pin, are added to this link.
+        A body with the inertia m L²/4 moves like the lumped coupler.
 
         Parameters
         ----------

@@ -21,9 +21,9 @@ class Connections(Declarations):
     def release(self, joint: Constraint | str, when: Any, until: Any = None) -> None:
         """Let a joint go once a condition begins to hold: a latch opens, a sling lets go.
 
-        The constraint leaves, and the run goes on with the degrees of freedom that it held, with
-        the same positions and velocities. Joints whose conditions begin to hold at one instant
-        change together. Declare it before the scenes.
+        The constraint no longer acts; the run goes on with more degrees of freedom, from the same
+        positions and velocities. Joints whose conditions begin to hold at one instant change
+        together. Declare `release` before the scenes.
 
         Parameters
         ----------
@@ -38,11 +38,12 @@ class Connections(Declarations):
         self._connect("release", joint, True, when, until)
 
     def engage(self, joint: Constraint | str, when: Any, until: Any = None) -> None:
-        """Let a joint act from where a condition begins to hold: a latch catches, a pin drops in.
+        """Let a joint act once a condition begins to hold: a latch catches, a pin drops in.
 
-        There the joint must close by itself. Velocities that it does not permit end in an impact:
-        M Δv + Φ_qᵀ Λ = 0, Φ_q (v + Δv) = ν, one of all joints that engage at one instant.
-        `Result.reconnections` has the impulses. Declare it before the scenes.
+        At this instant the motion must have closed the joint. An impact ends the velocities that
+        the joint does not permit: M Δv + Φ_qᵀ Λ = 0, Φ_q (v + Δv) = ν, one impact of all joints
+        that engage at one instant. `Result.reconnections` has the impulses. Declare `engage` before
+        the scenes.
 
         Parameters
         ----------

@@ -74,7 +74,7 @@ class Constraints(Declarations):
     ) -> Constraint:
         """A massless link of `length` between two points.
 
-        With `instead_of`, the link acts in those scenes that leave this body out.
+        With `instead_of`, a body, the link acts in the scenes that leave this body out.
         """
 
     @declares(RevoluteTranslational)
@@ -95,8 +95,8 @@ class Constraints(Declarations):
         distance
             Distance of the pin from the line, m; positive to the left of `axis`.
         instead_of
-            The slide block that the joint stands for: the joint acts in those scenes that leave
-            this body out.
+            The slide block that the joint replaces: the joint acts in the scenes that leave this
+            body out.
         """
 
     @declares(Weld)
@@ -117,9 +117,9 @@ class Constraints(Declarations):
         radius_i, radius_j
             Radii of the pitch circles, m; negative for an internal gear.
         line
-            Angle of the line from centre `i` to centre `j`, rad, at which the teeth mesh with
-            φ_i = φ_j = 0. Left out, it is as the bearings hold the centres, the carrier at φ = 0;
-            without bearings to be seen it is 0. Bodies that welds join count as one.
+            Angle of the line from centre `i` to centre `j`, rad, at which the teeth mesh with φ_i =
+            φ_j = 0. By default it follows from the bearings of the centres, with the carrier at φ =
+            0; without such bearings it is 0. Bodies that welds join count as one.
         """
 
     @declares(RackAndPinion)
@@ -161,8 +161,8 @@ class Constraints(Declarations):
         crossed
             Whether the belt is crossed, and turns the pulleys in opposite directions.
         offset
-            s0 in m: R_j (φ_j - φ_c) - R_i (φ_i - φ_c) as the belt was laid on. Crossed, R_i counts
-            as negative.
+            s0 in m: R_j (φ_j - φ_c) - R_i (φ_i - φ_c) when the belt was laid on. For a crossed belt
+            R_i counts as negative.
         """
 
     @declares(Screw)
@@ -224,10 +224,11 @@ class Constraints(Declarations):
     def constraint(self, name: str, *phi: Any) -> Constraint:
         """Plain equations: each expression of coordinates, parameters and t is kept at zero.
 
-        They are smooth in the coordinates. Pieces of powers, sines and cosines are, where their
-        values and slopes agree on both sides of a condition that is linear in a coordinate; steps
-        end where they meet. A motion that comes to a root at 0 where the slope jumps, to an end of
-        asin or acos, to the cut of atan2, or to a pole ends there by name.
+        The expressions must be smooth in the coordinates. Pieces of powers, sines and cosines are
+        smooth if their values and slopes agree on both sides of a condition that is linear in a
+        coordinate; steps end where pieces meet. A motion that comes to a root at 0 where the slope
+        jumps, to an end of asin or acos, to the cut of atan2, or to a pole ends there, and its
+        message names the constraint.
         """
         read = (self._value(e, "", f"constraint '{name}'") for e in phi)
         equations = tuple(closed_where_smooth(e) for e in read)
@@ -255,7 +256,7 @@ class Constraints(Declarations):
     def translation_driver(
         self, name: str, i: Place, j: Place, law: Any, axis: Pair = (1, 0)
     ) -> Constraint:
-        """How far `j` is ahead of `i` along `axis` of body `i` follows `law`: a driven slider."""
+        """The distance of `j` from `i` along `axis` of body `i` follows `law`: a driven slider."""
 
     @declares(drivers.DistanceDriver)
     def distance_driver(self, name: str, i: Place, j: Place, law: Any) -> Constraint:
@@ -276,8 +277,8 @@ class Constraints(Declarations):
 
         Notes
         -----
-        A face has two contacts with a cam, one on either side. A scene that says nothing of
-        ``joint.alpha`` begins where the cam reaches farthest into the follower.
+        A face can touch a cam on either side. A scene without a value of ``joint.alpha`` begins
+        where the cam reaches farthest into the follower.
         """
         profile = self._curve(name, cam, closed=True, convex=True)
         made = self._element(CamFlatFollower, name=name, cam=profile, face=face, axis=axis)
@@ -286,8 +287,8 @@ class Constraints(Declarations):
     def cam_follower(self, name: str, cam: Curve, follower: Curve) -> CamFollower:
         """Two closed profiles touch; a roller is ``body.circle(radius)``.
 
-        A scene that says nothing of ``joint.alpha`` and ``joint.beta`` begins with the contact from
-        outside; for a roller inside a ring, give start guesses of both.
+        A scene without values of ``joint.alpha`` and ``joint.beta`` begins with the contact from
+        outside; for a roller inside a ring, give guesses of both.
         """
         curves = (self._curve(name, curve, closed=True) for curve in (cam, follower))
         return self._declare(CamFollower(name, *curves))
@@ -301,12 +302,12 @@ class Constraints(Declarations):
     def curve_through(
         self, name: str, body: Body, points: Sequence[tuple[Any, Any]], closed: bool = True
     ) -> Curve:
-        """The smooth curve through points of a body, by cubic splines of the chords' length.
+        """The smooth curve through points of a body, by cubic splines over the lengths of chords.
 
         Parameters
         ----------
         points
-            (x', y') in m or as quantities; at least four, no two that follow each other the same.
+            (x', y') in m or as quantities; at least four, of which no two neighbours coincide.
         closed
             A closed curve returns to its first point at α = 2π; on an open one α
             runs from 0 to 1.

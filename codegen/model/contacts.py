@@ -34,8 +34,8 @@ class Contacts(Declarations):
         Parameters
         ----------
         i, j
-            Points of two bodies (a body means its centre of mass), between which the gap is: along
-            `direction`, g = (A_i u)ᵀ (r_j^P - r_i^P) - ℓ0; without one, g = ℓ - ℓ0.
+            Points of two bodies (a body means its centre of mass), from which the gap follows:
+            along `direction`, g = (A_i u)ᵀ (r_j^P - r_i^P) - ℓ0; without a direction, g = ℓ - ℓ0.
         stiffness, damping
             k in N/m and c in N s/m of f = k g + c ġ, which acts while g < 0.
         free_length
@@ -45,16 +45,17 @@ class Contacts(Declarations):
         gap
             Instead of points: g itself, in m, an expression of coordinates, parameters and t.
         may_pull
-            False cuts the damper off where it would hold the bodies together, which tyres, balls
-            and all other surfaces that do not stick need; True is the plain law k g + c ġ.
+            False sets the force to zero where the damper would hold the bodies together; tyres,
+            balls and all other surfaces that do not stick need this. True is the plain law k g + c
+            ġ.
         restitution
             Instead of stiffness and damping: e of a rigid contact, from 0 to 1.
         typical_force
-            Of a rigid contact: a force of the size of its reactions, N; None: the weight of the
+            For a rigid contact: the typical size of its reactions, N; None: the weight of the
             bodies of the scene.
         fidelity
-            ``"penalty"`` or ``"rigid"``, of a contact with the numbers of both: the fidelity in a
-            scene that does not say.
+            ``"penalty"`` or ``"rigid"``, for a contact with the numbers of both: the fidelity in
+            scenes that do not choose one.
         """
         where = f"contact '{name}'"
         gap, bodies = self._gap(name, i, j, free_length, direction, gap)
@@ -87,7 +88,7 @@ class Contacts(Declarations):
         stiffness: Any = None, damping: Any = None, restitution: Any = None,
         typical_force: Any = None,
     ) -> Effect:  # fmt: skip
-        """Stops limit the coordinate of a joint: by a spring and a damper each, or rigid.
+        """Stops limit the coordinate of a joint: springs with dampers, or rigid stops.
 
         Parameters
         ----------
@@ -104,8 +105,8 @@ class Contacts(Declarations):
             Instead of stiffness and damping: e of stops that do not yield, from 0 to 1. They are a
             rigid contact, whose gap with both limits is (s - lower) (upper - s)/(upper - lower).
         typical_force
-            Of rigid stops: a force of the size of their reactions, N or N m; None: the weight of
-            the bodies of the scene, in N.
+            For rigid stops: the typical size of their reactions, N or N m; None: the weight of the
+            bodies of the scene, in N.
         """
         where = f"stop '{name}'"
         s, unit, bodies = self._limited(where, of)
@@ -140,7 +141,7 @@ class Contacts(Declarations):
         bearing, journal
             The centres of both, points of two bodies; a body means its centre of mass.
         clearance
-            c, the radius of the bearing less that of the journal, m.
+            c, the radius of the bearing minus the radius of the journal, m.
         stiffness, exponent
             K in N/mⁿ and n of the force K δⁿ at the depth δ; n = 1.5 is Hertz' law.
         damping

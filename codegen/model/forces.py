@@ -88,7 +88,7 @@ class Forces(Declarations):
             Points of two bodies; a body means its centre of mass.
         value
             In N, positive where it pulls the points together: an expression of t, q, q̇, tables and
-            parameters, or a function of the length ℓ, m, and its rate ℓ̇, m/s, that answers one.
+            parameters, or a function of the length ℓ, m, and its rate ℓ̇, m/s, that returns one.
         when
             A condition, while which the force acts; None: always.
         label
@@ -148,11 +148,11 @@ class Forces(Declarations):
             c in N s/m and F in N, each any expression of t, q, q̇ and parameters; F is positive
             where it pulls the points together.
         force
-            Any other characteristic: a function of the length ℓ and its rate ℓ̇ that answers a
-            force in N, positive in tension; added to the rest. ``lambda l, v: 5 * (l - 1) ** 3``.
+            Any other law: a function of the length ℓ and its rate ℓ̇ that returns a force in N,
+            positive in tension; it is added to the other terms. ``lambda l, v: 5 * (l - 1) ** 3``.
         preload
-            F0 in N, the force of the spring at the length ℓ0, positive in tension; a spring that is
-            pressed between its ends has a negative one. It needs `free_length`, the length ℓ0.
+            F0 in N, the force of the spring at the length ℓ0, positive in tension and negative in
+            compression. It needs `free_length`, the length ℓ0.
         """
 
     @declares(TorsionSpring, law="torque")
@@ -172,8 +172,8 @@ class Forces(Declarations):
         damping, actuator
             c in N m s/rad and N in N m, each any expression of t, q, q̇ and parameters.
         torque
-            Any other characteristic: a function of the angle θ and its rate θ̇ that answers a
-            torque in N m on body `i`; added to the rest.
+            Any other law: a function of the angle θ and its rate θ̇ that returns a torque in N m on
+            body `i`; it is added to the other terms.
         preload
             N0 in N m, the torque of the spring on body `i` at the angle θ0.
         """
@@ -248,7 +248,7 @@ class Forces(Declarations):
         self, name: str, i: Body, j: Body, radius_i: Any, radius_j: Any, *, backlash: Any,
         stiffness: Any, damping: Any = 0, carrier: Body | None = None, offset: Any = 0,
     ) -> Effect:  # fmt: skip
-        """Two gears whose teeth bear by a spring and a damper on either flank, with play between.
+        """Two gears with play; a spring and a damper act while teeth touch on either flank.
 
         Parameters
         ----------
@@ -270,8 +270,8 @@ class Forces(Declarations):
     def one_way_clutch(self, name: str, driver: Body, driven: Body, capacity: Any = None) -> Effect:
         """A freewheel: `driver` turns `driven` counter-clockwise, which may overrun it.
 
-        It is rigid: while it grips, both have one speed, and where something would make the driver
-        faster at an instant, as a start or the impact of a contact, an impact gives them one.
+        It is rigid: while it grips, both bodies have one speed. If the driver would be faster at an
+        instant, at a start or after the impact of a contact, an impact gives both the same speed.
 
         Parameters
         ----------

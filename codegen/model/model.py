@@ -105,9 +105,9 @@ class Model(Values, Scenes, Forces, Contacts):
         parameters
             Values by name, in SI units or as texts, ``"45 mm"``, in place of the defaults.
         assembled
-            Whether the joints are closed first, from the start values and guesses on. Where they
-            cannot be, and with False, the machine stands at its guesses, and a dashed line says
-            how far each joint is open.
+            Whether the joints are closed first, starting from the start values and guesses. If they
+            cannot be closed, or with False, the machine is drawn at its guesses, and a dashed line
+            shows how far each joint is open.
         dimensions, forces, frames, names
             Whether to draw the distances between the points of a body, m; the applied forces, to
             scale; the frames x'-y' and centres of mass; the names of bodies and joints.

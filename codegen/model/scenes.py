@@ -52,9 +52,9 @@ class Scenes(SceneRequests):
         analysis: Analysis | None = None, outputs: Names | None = None,
         until: Mapping[str, Any] | None = None,
     ) -> Scene:  # fmt: skip
-        """Declare a scene: the elements that take part in a question.
+        """Declare a scene: the elements that act, start values and outputs.
 
-        With the name alone it answers the scene that was declared under it, to be varied:
+        With the name alone it returns the scene that was declared under it, to be varied:
         ``model.scene("compressor").without("gas").with_("rub", fidelity="sticking")``.
 
         Parameters
@@ -62,39 +62,39 @@ class Scenes(SceneRequests):
         effects, drivers
             Elements that act, by name or by the object that their declaration returned.
         extends
-            Another scene, whose elements and values it has too, unless stated, also as ``{}``.
+            A scene whose elements and values hold unless this scene states its own, also as ``{}``.
         without
             Bodies that do not take part, with the joints and effects on them; or joints, effects
             and drivers alone.
         couplers
-            ``{"rod": "link"}`` or ``"lumped"``: how a coupler is taken, a body unless said.
+            Coupler → ``"link"``, ``"lumped"`` or ``"body"``, which is the default.
         fidelity
-            Effect, coupler or group of `alternatives` → how it is taken: a friction
-            ``"sticking"`` or ``"regularised"``, a contact ``"penalty"`` or ``"rigid"``, a coupler
-            as in `couplers`, any effect ``"none"``; as declared unless said.
+            Effect, coupler or group of `alternatives` → its fidelity, by default as declared: a
+            friction ``"sticking"`` or ``"regularised"``, a contact ``"penalty"`` or ``"rigid"``, a
+            coupler as in `couplers`, any effect ``"none"``.
         start
             Values that must hold at the beginning: ``{"crank.phi": π, "crank.omega": 30}``.
         guess
-            Values from which assembly starts. A coordinate without one starts from 0, the place of
-            a contact from its place for the values of the bodies.
+            Values from which assembly starts. A coordinate without one starts from 0, and the place
+            of a contact from its place for the values of the bodies.
         parameters
             Values that replace the declared defaults in this scene.
         frozen
             Fold the parameters into the code.
         analysis
-            ``"dynamics"`` unless given. ``"kinematics"`` compiles neither masses nor forces,
-            ``"equilibrium"`` nothing that only a motion needs.
+            ``"dynamics"``, the default; ``"kinematics"``, which compiles neither masses nor forces;
+            or ``"equilibrium"``, which compiles nothing that only a motion needs.
         until
             Conditions that end a run, by name: ``{"landed": ball.y < 0}``. A run ends at the
             instant at which one begins to hold, located as events are.
         outputs
-            Outputs in addition to the motion: ``"reactions"``, ``"energy"``, ``"powers"``, or
-            those of one element, ``"reaction(A)"``, ``"power(gas)"``; these three unless given,
-            which ``"default"`` says in an extension or a list. The others have to be named:
-            ``"force(strut)"``, and ``torque``, ``length``, ``angle``, ``rate``, ``deflection``,
-            ``gap``, ``penetration`` and ``potential`` in the same way; ``"point(tip)"``, tracked;
-            ``"work(gas)"``, integrated along a simulation. ``"forces"``, ``"points"``,
-            ``"works"`` and so on are those of all elements, and ``"all"`` is everything.
+            Outputs in addition to the motion: ``"reactions"``, ``"energy"``, ``"powers"``, or those
+            of one element, ``"reaction(A)"``, ``"power(gas)"``. The default is the three groups,
+            for which ``"default"`` stands in a list. All others must be named: ``"force(strut)"``,
+            and ``torque``, ``length``, ``angle``, ``rate``, ``deflection``, ``gap``,
+            ``penetration`` and ``potential`` in the same way; ``"point(tip)"``, tracked;
+            ``"work(gas)"``, integrated along a simulation. ``"forces"``, ``"points"``, ``"works"``
+            and so on are those of all elements, and ``"all"`` is everything.
         """
         base = self.scenes.get(str(name))
         words = (effects, drivers, extends, without, couplers, fidelity, start, guess, parameters)

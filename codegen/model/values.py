@@ -101,8 +101,8 @@ class Values(Declarations):
         """A function through points, of a coordinate, a length, a velocity, a parameter or t.
 
         Called with an expression, ``pressure(crank.phi)`` or ``law(t)``, it may stand in forces,
-        potentials, motion laws, profiles and constraints, with exact derivatives. Steps of a run
-        end where a derivative of it jumps, and the switch of its ends stops the run by name.
+        potentials, motion laws, profiles and constraints, with exact derivatives. Steps end where a
+        derivative of the table jumps; a run that leaves the table ends with its name.
 
         Parameters
         ----------
@@ -110,26 +110,27 @@ class Values(Declarations):
             The points, x strictly ascending: numbers in `units`, or quantities. Two at least,
             three for ``"akima"``, four for ``"spline"``; of a periodic table one more.
         periodic
-            Whether the function repeats; the last point is the first one, a period later. Over an
-            angle the period is a whole number or a unit fraction of turns.
+            Whether the function is periodic; then the last point repeats the first, a period later.
+            Over an angle the period is a whole number of turns, or a turn divided by a whole
+            number.
         units
-            Units of the numbers of x and y, which become SI. What the table is called with, and
-            what it stands for, is compared with them where its unit is known: quantities,
+            Units of the numbers of x and y, which are converted to SI. The argument of the table
+            and its place in a law must have these units where their units are known: quantities,
             coordinates, velocities, t.
         kind
-            ``"pchip"``, for data: as monotone as these, no overshoot, a continuous slope.
+            ``"pchip"``, for data: monotone where they are, no overshoot, a continuous slope.
             ``"linear"``: straight from point to point. ``"akima"``: rounder than pchip, with little
             overshoot. ``"spline"``, for smooth functions: continuous second derivatives, which
-            constraints on coordinates and profiles need; between data with edges it swings.
+            constraints on coordinates and profiles need; it oscillates where data have a corner.
         beyond
-            What a table that does not repeat is beyond its ends: ``"stop"`` ends the run there,
-            ``"hold"`` keeps the value of the end, ``"extrapolate"`` goes on with the end's piece.
+            Beyond the ends of a table that is not periodic, ``"stop"`` ends the run, ``"hold"``
+            keeps the value of the end, and ``"extrapolate"`` continues the last piece.
         ends
-            Of a spline that does not repeat: ``"not-a-knot"``, or ``"natural"``, with the second
+            For a spline that is not periodic: ``"not-a-knot"``, or ``"natural"``, with the second
             derivative zero at both ends.
         period
-            Of a function that repeats, in the unit of x: the row that closes the period, the first
-            value at ``x[0] + period``, is added where the points end before it.
+            For a periodic function, in the unit of x: if the points end before ``x[0] + period``,
+            the row with the first value is added there.
         """
         where = f"table '{name}'"
         if not are_units(units):
@@ -172,7 +173,7 @@ class Values(Declarations):
         return TableFunction(fit("none", (0.0, 1.0, 2.0, 3.0), (0.0,) * 4, periodic=False))
 
     def depends_on(self, path: str | Path) -> Path:
-        """Name a data file that the declaration reads: a change of it makes builds stale."""
+        """Name a data file that the declaration reads: a change of the file makes builds stale."""
         try:
             file = Path(path).resolve()
             found = file.is_file()
@@ -191,17 +192,17 @@ class Values(Declarations):
     ) -> Velocity:
         """A state of first order, ẏ = rate: the current of a motor, a filter, a pressure.
 
-        It answers the symbol of y, which may stand wherever a velocity may: in forces, torques,
-        conditions and rates of other states, and in no law of motion and no potential. A state
-        takes part in the scenes for dynamics in which something that acts contains it, or which
-        name it among their effects.
+        It returns the symbol of y, which may be used wherever a velocity may: in forces, torques,
+        conditions and rates of other states, but not in laws of motion and potentials. A scene for
+        dynamics contains a state if one of its effects does, or if it names the state among its
+        effects.
 
         Parameters
         ----------
         rate
             ẏ, an expression in `unit` per second of t, q, q̇, states and parameters; or a function
-            of y that answers one, ``lambda i: (u - R*i) / L``; or None where `state_equation`
-            gives it later, as states need that contain one another.
+            of y that returns one, ``lambda i: (u - R*i) / L``; or None if `state_equation` gives it
+            later, for states whose rates contain one another.
         start
             y at the start of a run, in `unit`, unless the scene or the run says otherwise.
         unit
@@ -216,12 +217,12 @@ class Values(Declarations):
         return declared.symbol
 
     def state_equation(self, state: Velocity, rate: Any) -> None:
-        """Give ẏ of a state that was declared without.
+        """Give ẏ of a state that was declared without a rate.
 
         Parameters
         ----------
         state
-            What `state` answered.
+            The symbol that `state` returned.
         rate
             As in `state`.
         """
@@ -229,7 +230,7 @@ class Values(Declarations):
         symbol: object = state
         found = known.get(symbol) if isinstance(symbol, Velocity) else None
         if found is None or found.clock is not None or found.triggers:
-            self._note(f"state_equation({shown(state)}, ...): give what model.state(...) answered.")
+            self._note(f"state_equation({shown(state)}, ...): give what model.state(...) returned.")
         elif found.given:
             self._note(f"state '{found.name}' has two rates; give one.")
         else:
@@ -241,9 +242,9 @@ class Values(Declarations):
     ) -> Velocity:  # fmt: skip
         """A value that a clock or an event renews, and that is kept in between.
 
-        It answers the symbol of the value, as `state` does. At t = 0, `every`, 2 `every` … the
-        expression is evaluated; values that are renewed at one instant are so in the order of
-        their declaration, each from those that were renewed before it. Steps end at samples.
+        It returns the symbol of the value, as `state` does. The expression is evaluated at t = 0,
+        `every`, 2 `every` …. Values that are renewed at one instant are evaluated in the order of
+        their declaration, each from the new values before it. Steps end at samples.
 
         Parameters
         ----------
@@ -253,8 +254,8 @@ class Values(Declarations):
             In place of a clock: a condition; the value is renewed each time it begins to hold.
         value
             An expression of t, q, q̇, states and parameters in `unit`; or a function of the value
-            itself that answers one, ``lambda e: e + k*error``; None where a run brings a function
-            of its own, ``simulate(controllers={name: ...})``.
+            itself that returns one, ``lambda e: e + k*error``; or None if you give a function to
+            the run, ``simulate(controllers={name: ...})``.
         delay
             Time from a clock's sample until it acts, s.
         start
@@ -283,15 +284,15 @@ class Values(Declarations):
         return self._complete(declared, clock=Clock(period, wait), sample=sample)
 
     def latch(self, name: str, when: Any, reset: Any = None) -> sympy.Basic:
-        """A condition with a memory: once `when` has held, it holds, until `reset` begins to hold.
+        """A condition with a memory: it holds once `when` has held, until `reset` begins to hold.
 
-        It answers the condition, which may stand in ``when=`` of forces, in other conditions and in
-        a Piecewise. Its value, 1 or 0, is a state of the name.
+        It returns the condition, which may be used in ``when=`` of forces, in other conditions and
+        in a Piecewise. Its value, 1 or 0, is a state of the same name.
 
         Parameters
         ----------
         when, reset
-            Conditions of t, q, q̇, states and parameters; without `reset` it holds for good.
+            Conditions of t, q, q̇, states and parameters; without `reset` the latch never ends.
         """
         where = f"latch '{name}'"
         both = [(when, sympy.S.One)] + ([] if reset is None else [(reset, ZERO)])
@@ -333,7 +334,7 @@ class Values(Declarations):
         self._complete(declared, rate=self._expression(rate, declared, unit, f"rate of {where}"))
 
     def _expression(self, value: Any, declared: State, unit: str, where: str) -> Any:
-        """An expression, or what a function of the state answers."""
+        """An expression, or the value that a function of the state returns."""
         if value is None:
             return None
         if callable(value) and not isinstance(value, sympy.Basic):

@@ -44,9 +44,9 @@ _SHOWN = 12  # events, before it says how many more there are
 @with_request(without=("start",))
 def equilibrium(
     request: Request, method: str = option("energy", "energy or settling."),
-    t: float = time(0.0, "Instant at which the drivers stand, in s."), out: Out = None,
+    t: float = time(0.0, "Instant at which drivers and forces are frozen, in s."), out: Out = None,
 ) -> None:  # fmt: skip
-    """Where it rests: the position of equilibrium, and whether it is stable."""
+    """Find where the machine rests: a position of equilibrium, and whether it is stable."""
     _carry_out(
         request, out, lambda machine: machine.equilibrium(method, t=t, **request.words(machine))
     )
@@ -57,7 +57,7 @@ def equilibrium(
 def kinematics(
     request: Request, t_end: TEnd, t_start: TStart = 0.0, points: Points = None, out: Out = None
 ) -> None:
-    """How it must move: the motion that drivers prescribe, one for every degree of freedom."""
+    """Find how the machine must move: the motion that drivers of all freedoms prescribe."""
     _carry_out(request, out, lambda machine: machine.kinematics(**_prescribed(request, machine)))
 
 
@@ -70,7 +70,7 @@ def kinematics(
 def inverse(
     request: Request, t_end: TEnd, t_start: TStart = 0.0, points: Points = None, out: Out = None
 ) -> None:
-    """What it takes to move it so: inverse dynamics, the forces of the prescribed motion."""
+    """Find the forces and torques that a prescribed motion requires: inverse dynamics."""
     _carry_out(
         request, out, lambda machine: machine.inverse_dynamics(**_prescribed(request, machine))
     )
@@ -86,11 +86,11 @@ def simulate(
     request: Request, t_end: TEnd, t_start: MotionStart = 0.0, points: Points = None,
     out: Out = None,
     stream: bool = output(
-        False, "Write --out, a .zarr that is not there, in chunks while the run goes on.",
+        False, "Write --out, a new .zarr, in chunks during the run.",
         "--stream/--no-stream"
     ),
 ) -> None:  # fmt: skip
-    """How it will move: the motion under the forces that act on it."""
+    """Find how the machine will move under the forces that act on it."""
     if stream and out is None:
         raise InputError("--stream: name the store, --out run.zarr.")
     store = out if stream else None
@@ -106,7 +106,7 @@ def report(
     request: Request, out: Path = output(..., "The page to write, .html."),
     t_end: TEnd = 1.0, t_start: MotionStart = 0.0, points: Points = None,
 ) -> None:  # fmt: skip
-    """Write a page about a run: a simulation, or the driven motion where no freedom is left."""
+    """Write a page about a run: a simulation, or the driven motion if no freedom is left."""
     if not is_page(out):
         raise InputError(f"{out}: a report is an .html page. Change the ending.")
 

@@ -70,8 +70,8 @@ def build(
         "of their own; without this option only existing ones are updated.", "--reduced"
     ),
     unroll: Literal["auto", "always", "never"] = output(
-        "auto", "Write kernels out, operation by operation: always; never, loops over tables where "
-        "something repeats; auto, loops in long kernels.", metavar="WHEN"
+        "auto", "When to write kernels out operation by operation: always, never (loops where "
+        "operations repeat) or auto (loops in long kernels).", metavar="WHEN"
     ),
     check: Check = False, as_json: Json = False,
 ) -> None:  # fmt: skip

@@ -89,7 +89,7 @@ def list_models(
     ),
     as_json: Json = False,
 ) -> None:
-    """List models and their scenes, a line each from their docstrings."""
+    """List models and their scenes, each with a line from its docstring."""
     from linkwright.cli.model_listing import facts, found_models, show
 
     found = found_models(folder)
@@ -152,8 +152,8 @@ def check(
 ) -> None:
     """Find everything that is wrong with a declaration.
 
-    If nothing is: freedoms, redundant constraints, assembly. Nothing is compiled. Exit status 2
-    where something is wrong.
+    If nothing is wrong, show freedoms, redundant constraints and assembly. Nothing is compiled.
+    The exit status is 2 if something is wrong.
     """
     from codegen.explain.declaration_report import check_declaration
 
@@ -250,7 +250,7 @@ def draw(
     frames: bool = picture(False, "Also frames and centres of mass.", "--frames"),
     names: bool = picture(True, "Names of bodies and joints, or none."),
     guesses: bool = picture(
-        False, "Bodies at their guesses, and how far each joint is open.", "--guesses"
+        False, "Draw the bodies at their guesses, with the gap of each joint.", "--guesses"
     ),
     as_json: Json = False,
 ) -> None:  # fmt: skip

@@ -137,11 +137,11 @@ Scene = Annotated[str | None, scene(..., "Scene of the model; the first unless g
 AnyScene = Annotated[str | None, scene(..., "One scene; all unless given.")]
 Values = Annotated[
     list[str] | None,
-    pair(..., "A parameter, in its declared unit; again for more.", "--set",
+    pair(..., "A parameter, in its declared unit; repeat for more.", "--set",
          autocompletion=completion.settings),
 ]  # fmt: skip
 Generated = Annotated[
-    Path | None, machine(..., "Folder of the generated modules, as --out of build names it.")
+    Path | None, machine(..., "Folder of the generated modules, the --out of build.")
 ]
 MotionStart = Annotated[float, time(..., "First instant in s; the start values belong to it.")]
 TEnd = Annotated[float, time(..., "Last instant in s.")]
@@ -165,8 +165,7 @@ class Request:
     model: Annotated[
         str,
         _model(
-            help=f"{_FILE} Or a case, .yaml or .json, whose values hold where no option gives "
-            "another one.",
+            help=f"{_FILE} Or a case, .yaml or .json, whose values options override.",
             default_factory=str,
             callback=_model_or_case,  # which may put a case in its place
             is_eager=True,
@@ -174,10 +173,12 @@ class Request:
     ]
     scene: Scene = None
     settings: Values = None
-    start: Annotated[list[str] | None, pair(..., "A start value that is kept, in SI units.")] = None
+    start: Annotated[list[str] | None, pair(..., "A start value, in SI units, that is kept.")] = (
+        None
+    )
     guess: Annotated[
         list[str] | None,
-        pair(..., "Where the search for a start begins, in SI units; no name that is fixed."),
+        pair(..., "A value, in SI units, at which the search for the start begins."),
     ] = None
     generated: Generated = None
     as_json: Json = False
@@ -257,8 +258,8 @@ _LOOKS: dict[str, dict[str, Any]] = {
     },
     "until": {
         "metavar": "CONDITION",
-        "text": '"NAME: SERIES > VALUE", or with <: the run ends where this begins to hold; again '
-        "for more.",
+        "text": '"NAME: SERIES > VALUE", or with <: the run ends where this begins to hold; '
+        "repeat for more.",
     },
     "method": {"metavar": "METHOD", "autocompletion": completion.methods},
     "formulation": {"metavar": "FORM", "autocompletion": completion.formulations},

@@ -46,13 +46,13 @@ _CHOSEN = ("method", "formulation", "rtol", "correction")  # words of runs that 
 def accuracy(
     request: Request,
     quantities: list[str] | None = quantity(
-        None, "A series that is compared, such as crank.phi; again for more. Unless given, the "
+        None, "A series that is compared, such as crank.phi; repeat for more. Unless given, the "
         "coordinates that the scene starts from, and their velocities. a.x|b.x is whichever of "
         "them a scene has.", "--quantity"
     ),
     t_end: OptionalTEnd = None, t_start: MotionStart = 0.0,
     methods: list[str] | None = method(
-        None, "Integration method; again for more. All unless given.", "--method"
+        None, "Integration method; repeat for more. All unless given.", "--method"
     ),
     formulations: list[str] | None = formulation(
         None, "cartesian or reduced; both unless given.", "--formulation"
@@ -65,7 +65,7 @@ def accuracy(
         True, "Run the other fidelities of rods, contacts and frictions as well."
     ),
     beside: list[str] | None = scene(
-        None, "A further scene that models the same machine; again for more."
+        None, "A further scene that models the same machine; repeat for more."
     ),
     building: bool | None = study(
         None, "Build the scene anew and time each stage; not with --quick."
@@ -74,7 +74,7 @@ def accuracy(
     limit: float = study(10.0, "Seconds that a run may take."),
     out: Path | None = output(None, "Folder for the picture and the runs as JSON lines."),
 ) -> None:  # fmt: skip
-    """What each digit costs: digits against time, by method, formulation and modelling choice."""
+    """Measure the cost of each digit, by method, formulation and modelling choice."""
     from runtime.studies.pictures import check_folder, save_diagram
     from runtime.studies.work_precision import accuracy as work_precision
 
@@ -92,7 +92,7 @@ def matters(
     ),
     t_end: OptionalTEnd = None, t_start: MotionStart = 0.0,
     error: float | None = study(
-        None, "Relative change that is permitted; proposes the cheapest scene."
+        None, "Largest relative change; asks for the cheapest scene within it."
     ),
     analysis: Analysis = None,
     fidelities: bool = study(
@@ -107,7 +107,7 @@ def matters(
     rounds: int | None = study(None, "Timed runs of each scene; the least time counts."),
     out: Path | None = output(None, "Picture: .png, .svg or .pdf."),
 ) -> None:  # fmt: skip
-    """Which effects a quantity needs: its change without each of them, and the time that saves."""
+    """Find the effects that a quantity needs: its change and the time saved without each."""
     from codegen.presentation import check_picture
     from runtime.studies.effect_ranking import matters as rank_effects
     from runtime.studies.pictures import save_ranking
@@ -145,12 +145,12 @@ def sweep(
     over: list[str] = study(
         ...,
         "A parameter or start value that varies: NAME=FIRST:LAST:COUNT, NAME=A,B,C, NAME=LOW:HIGH "
-        "(uniform) or NAME=normal:MEAN:SD; again for more.",
+        "(uniform) or NAME=normal:MEAN:SD; repeat for more.",
         metavar="NAME=VALUES", autocompletion=completion.settings
     ),
     quantities: list[str] = quantity(
         ..., "A number that is kept of each run, as in matters: max:B.fx, bob.phi (at the end), "
-        "event:latch; again for more.", "--quantity"
+        "event:latch; repeat for more.", "--quantity"
     ),
     out: Path = output(..., "Folder of the Zarr store to write, study.zarr."),
     t_end: OptionalTEnd = None, t_start: MotionStart = 0.0,
@@ -161,24 +161,24 @@ def sweep(
     count: int | None = study(None, "Points of a sample.", min=1),
     seed: int = study(0, "Seed of a sample.", min=0),
     keep: list[str] | None = series(
-        None, "A series that is kept of each run; again for more.", panel="Output"
+        None, "A series that is kept of each run; repeat for more.", panel="Output"
     ),
     analysis: Analysis = None,
     points: Points = None,
     workers: int | None = study(
         None,
-        "Processes on this computer: as many as it has cores unless given; 0: none but this one.",
+        "Processes on this computer, by default one for each core; 0: this process alone.",
         min=0
     ),
     scheduler: str | None = study(
         None, "Address of a Dask scheduler, whose cluster makes the runs."
     ),
     resume: bool = output(
-        False, "Go on with a sweep that was stopped: what is done stays.", "--resume"
+        False, "Go on with a sweep that was stopped; finished runs remain.", "--resume"
     ),
     picture: Path | None = output(None, "Picture of the first quantity: .png, .svg or .pdf."),
 ) -> None:  # fmt: skip
-    """Run a scene for many values of its parameters, into a Zarr store; it can be resumed."""
+    """Run a scene for many values of its parameters, into a Zarr store; --resume continues."""
     from codegen.presentation import check_picture, in_pyplot, save_picture
     from runtime.sweeps.sweep import sweep as make
 

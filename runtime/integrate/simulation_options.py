@@ -26,7 +26,7 @@ OPTIONS = (
     SimulationOption("t_start", "seconds", "First instant, s.", None, False, False),
     SimulationOption("accuracy", "number",
                      "Relative global error that the result may have, in place of tolerances; the "
-                     "program chooses whatever is not given.", None, True, False),
+                     "program chooses all other options that are not given.", None, True, False),
     SimulationOption("quantities", "names",
                      "With accuracy: series whose error counts; all coordinates and velocities "
                      "unless given.", None, True, False),
@@ -43,7 +43,7 @@ OPTIONS = (
                      "Time of Baumgarte's accelerations in s; a thousandth of the run unless "
                      "given."),
     SimulationOption("formulation", "text",
-                     "Coordinates that are integrated: cartesian (all of them; unless given) or "
+                     "Coordinates that are integrated: cartesian (all of them, the default) or "
                      "reduced (those that no constraint determines).", None, True, False),
     SimulationOption("first_step", "seconds", "Length of the first step in s; chosen unless "
                      "given."),
@@ -51,8 +51,7 @@ OPTIONS = (
     SimulationOption("until", "conditions",
                      "Conditions on series; the run ends where one begins to hold."),
     SimulationOption("max_steps", "count",
-                     "Trial steps, 100 million unless given; steps that get ever shorter end the "
-                     "run before, unless given."),
+                     "Most trial steps, 100 million unless given; fewer where they get shorter."),
     SimulationOption("max_bytes", "count", "Bytes of recorded states; 1 GiB unless given.",
                      None, False),
 )  # fmt: skip

@@ -55,9 +55,9 @@ class Redundant(NamedTuple):
 class State:
     """A state of a machine at time t in s: coordinates q and velocities v, shape (n,) each.
 
-    `sampled` says whether clocks have renewed what is due at t: a run that starts there renews it
-    unless they have. `discrete` has samples that wait for their delay, and the conditions that
-    hold; None where nothing is sampled or watched, or where that is unknown. `scene` names the
+    `sampled` says whether clocks have renewed the values that are due at t; if not, a run that
+    starts there renews them. `discrete` has samples that wait for their delay, and the conditions
+    that hold; None where nothing is sampled or watched, or where that is unknown. `scene` names the
     scene whose joints act, empty where that is unknown.
     """
 

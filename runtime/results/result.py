@@ -52,37 +52,40 @@ class Result(TimeSeries):
     outcome
         How the analysis ended; `message` says it in full, with time and joint.
     site
-        The function that ended the run, and what it found, where several lead to the outcome; empty
-        otherwise.
+        The function that ended the run, and its finding, if several functions lead to the outcome;
+        empty otherwise.
     contradiction
-        What a check found against the results, with numbers; empty if none did.
+        The finding of a check that contradicts the results, with numbers; empty if there is none.
     stats
         Counts of steps, evaluations and iterations, explained in
         `runtime.integrate.problem.Statistics`, and the wall time in s. `crossing_error`: largest
-        error of a step across a singular configuration, over the tolerance;
+        error of a step across a singular configuration, divided by the tolerance;
         `integration_seconds`: processor time of the integration alone.
     events
-        Changes of modes and impacts between the instants; of driven motions crossings, lock-ups.
+        Changes of modes and impacts between the instants; in driven motions, crossings and
+        lock-ups.
     partitions
         The independent coordinates of a simulation: the first choice, then every change.
     works
         Work of effects and drivers since the start in J, by name, each (k,).
     not_unique
-        Joints, drivers and frictions whose forces the motion leaves open; the least are given.
+        Joints, drivers and frictions whose forces the motion does not determine; the result has the
+        least forces.
     singular
         The singular configurations that the run met, in order.
     accuracy
-        Of a simulation with an accuracy target: the accuracy reached, and how it was estimated.
+        In a simulation with an accuracy target: the accuracy reached, and how it was estimated.
     parameters
         Parameter values by name.
     ended_by
-        The condition of ``until=``, of scene or call, that ended the run; empty if none did.
+        The condition of ``until=``, in the scene or the call, that ended the run; empty if none
+        did.
     reconnections
         The joints that were released or engaged in a run, with their impulses.
     reconnection
-        Of a part of a run: what ended it, and the state there.
+        In a part of a run: the change of joints that ended it, and the state there.
     work_at_end
-        Works at the end of a run, J, which may lie behind the last instant.
+        Works at the end of a run, J; the end may be later than the last instant.
     """
 
     description: Description
@@ -138,7 +141,7 @@ class Result(TimeSeries):
         return dataset(self)
 
     def to_pandas(self) -> "pd.DataFrame":
-        """A row an instant, a column a series; ``attrs["units"]`` has their units by name."""
+        """A data frame, a row for each instant, a column for each series, units in ``attrs``."""
         from runtime.results.export import frame
 
         return frame(self)
@@ -164,12 +167,13 @@ class Result(TimeSeries):
 
     @readers.reads(path=readers.path)
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write to a file, whole or not at all.
+        """Write the result to a file; a failure leaves no incomplete file.
 
         Parameters
         ----------
         path
-            Ending in .nc (netCDF 4), .zarr, .csv, .parquet, .mat or .html; replaces an older one.
+            A file ending in .nc (netCDF 4), .zarr, .csv, .parquet, .mat or .html; an older one is
+            replaced.
 
         Raises
         ------
@@ -186,26 +190,27 @@ class Result(TimeSeries):
     ) -> "Result":
         """The motion at any instant: a result like this one, with its samples at `t`.
 
-        The run is taken again from a checkpoint, with the same steps: a quantity is what it is with
-        `t` among the instants of `t_eval`, to the last digit, a work to rounding.
+        The run is repeated from a checkpoint, with the same steps: each quantity is the same as
+        with `t` among the instants of `t_eval`, to the last digit; a work is the same up to
+        rounding.
 
         Parameters
         ----------
         t
             An instant in s or several, in any order, from the start of the run to its end.
         side
-            "before" or "after": the side on which the state is taken where `t` is the instant of
-            one of `events`; unless given, that of a sample: before a change of modes.
+            "before" or "after": on which side of an event the state is taken if `t` is the instant
+            of one of `events`; by default the side of a sample, before a change of modes.
 
         Returns
         -------
         Result
-            Of one instant, shape (1,), or of as many as there are in `t`.
+            The same quantities at one instant, shape (1,), or at the instants of `t`.
 
         Raises
         ------
         InputError
-            If `t` are no instants of the result, or it is that of an equilibrium.
+            If `t` is not within the result, or this is the result of an equilibrium.
         """
         return at(self, t, side)
 
@@ -217,13 +222,13 @@ class Result(TimeSeries):
         Parameters
         ----------
         t, side
-            An instant in s, and the side of an event, as `at` takes them; unless given, the end
-            of the motion, or of what `at` answered the last sample.
+            An instant in s, and the side of an event, as `at` takes them; by default the end of the
+            motion, or the last sample of a result that `at` returned.
 
         Raises
         ------
         InputError
-            If the result has no sample, or `t` is none of its instants.
+            If the result has no sample, or `t` is not within the result.
         """
         return state(self, t, side)
 
@@ -231,31 +236,31 @@ class Result(TimeSeries):
         self, t_end: float, t_eval: "npt.ArrayLike | int | str | None" = None, *,
         max_steps: int | None = None, progress: bool = True,
     ) -> "Result":  # fmt: skip
-        """Go on with a simulation from where it stopped, with everything that it was given.
+        """Continue a simulation from where it stopped, with the same settings.
 
-        It takes the steps of a run that went through at once, with the same bits. Where laws of
-        time are no sums of powers and sines, or Baumgarte's time is not given, these depend on the
-        whole time: steps before are then taken again. Past a condition that ended it, a run goes on
-        until that begins to hold the next time.
+        The steps and the bits are those of a single run to the new end. Steps depend on the whole
+        time if laws of time are not sums of powers and sines, or if Baumgarte's time is not given:
+        then earlier steps are repeated. A run that a condition ended goes on until the condition
+        begins to hold the next time.
 
         Parameters
         ----------
         t_end, t_eval
             As `simulate` takes them, both after the instant at which the run stopped.
         max_steps, progress
-            Trial steps, those before included; whether a terminal shows a bar.
+            Largest number of trial steps, earlier ones included; whether a terminal shows a bar.
 
         Returns
         -------
         Result
-            From that instant on; works, counts and `at` are those since the start.
+            The motion from that instant on; works, counts and `at` include the earlier part.
 
         Raises
         ------
         InputError
-            If `t_end` does not lie behind, this is no simulation, or one with an accuracy target.
+            If `t_end` is not later, or if this is not a simulation or has an accuracy target.
         AnalysisError
-            If the run ended where no motion goes on.
+            If the run ended where the motion cannot go on.
         """
         motion, found = self._motion, None
         if motion is not None:
@@ -309,7 +314,7 @@ class Result(TimeSeries):
         t
             Instant in s, as `at` takes it; unless given, the first sample.
         dimensions, forces, frames, names
-            As for `Model.draw`; forces are the applied ones and the joints' reactions.
+            As for `Model.draw`; forces are the applied forces and the reactions of joints.
 
         Returns
         -------
@@ -319,7 +324,7 @@ class Result(TimeSeries):
         Raises
         ------
         InputError
-            If `t` is no instant of the result, or Matplotlib is not installed.
+            If `t` is not within the result, or Matplotlib is not installed.
         """
         from runtime.show.pictures import draw_result
 
@@ -347,16 +352,16 @@ class Result(TimeSeries):
         Parameters
         ----------
         file
-            An .html file to write as well; or an .mp4 or .gif movie, or an .svg of some positions
-            over each other, to write instead of a page.
+            An .html file, into which the page is written as well. Or an .mp4 or .gif movie, or an
+            .svg of some positions over each other, which is written in place of a page.
         frames_per_second, width, speed, span, progress
-            As of `runtime.show.movie.save_movie`: of a movie alone, of an .svg `span`.
+            As for `runtime.show.movie.save_movie`, for movies alone; `span` for an .svg, too.
 
         Returns
         -------
         Animation or Path
-            What a notebook shows, and `Animation.save` writes; or the movie. `runtime.animate`
-            shows several runs beside each other.
+            The page, which a notebook shows and `Animation.save` writes; or the path of the movie.
+            `runtime.animate` shows several runs beside each other.
 
         Raises
         ------

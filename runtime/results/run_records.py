@@ -88,8 +88,8 @@ class SingularPosition(NamedTuple):
     """A position in which constraints cease to be independent.
 
     With u, uᵀ Φ_q = 0, and x, Φ_q x = 0, the velocities Φ_q q̇ = ν exist where uᵀ ν = 0: there
-    motions cross. Where uᵀ ν ≠ 0 the driver asks for what no motion gives: a lock-up (E. J. Haug,
-    Computer Aided Kinematics and Dynamics of Mechanical Systems I, 1989, section 3.7).
+    motions cross. Where uᵀ ν ≠ 0 no motion follows the driver: a lock-up (E. J. Haug, Computer
+    Aided Kinematics and Dynamics of Mechanical Systems I, 1989, section 3.7).
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ class SingularPosition(NamedTuple):
     time
         In s.
     drivers, joints
-        Those whose constraints are in what was lost, the largest share first.
+        Those whose constraints became dependent, the largest share first.
     lost
         How many constraints ceased to be independent.
     null_directions
@@ -113,12 +113,12 @@ class SingularPosition(NamedTuple):
     drift
         |uᵀ ν| in units of the drivers' pace, the largest |ν|: rounding where motions cross.
     q, v
-        State, shape (n,); velocities that no bound holds are not numbers.
+        State, shape (n,); velocities without a bound are nan.
     size
         The machine's size, in m: a length typical of it, by which shares of lengths are measured.
 
-    A simulation keeps less of a crossing: the constraint with the largest share, one direction
-    besides the motion's, no state (None), and neither `singular_value` nor `drift` (not a number).
+    For a crossing a simulation keeps only the constraint with the largest share and one direction
+    besides the motion's; the state is None, and `singular_value` and `drift` are nan.
     """
 
     kind: Kind

@@ -143,19 +143,19 @@ class Study:
         return {name: float(self.data[name].values[k]) for name in self.factors}
 
     def member(self, run: int) -> "Result":
-        """The result of one run, which is made again: by the same programs with the same bits.
+        """The result of one run, which is repeated; the same programs return the same bits.
 
         Parameters
         ----------
         run
-            Its number, from 0; ``study.data`` has them in order.
+            The number of the run, from 0, in the order of ``study.data``.
 
         Raises
         ------
         InputError
             If there is no such run, or the study was loaded without its machine.
         LinkwrightError
-            If the values of the run make no machine: what the study has as its message.
+            If the values of the run make no machine, with the run's message in the study.
         """
         k = self._index(run)
         if self._machine is None:

@@ -124,10 +124,10 @@ def sweep(
     model, scene, folder, generated
         As in `load`.
     over
-        What varies: parameters, in the declared units, and start values, in SI units, by name →
+        Parameters, in the declared units, and start values, in SI units, that vary, by name →
         numbers, a text (``"200:1000:81"``, ``"225,450,900"``), an interval ``"200:1000"`` or a
-        distribution ``"normal:450:20"`` or ``("normal", 450.0, 20.0)``. Or an `xarray.Dataset`
-        with the points.
+        distribution ``"normal:450:20"`` or ``("normal", 450.0, 20.0)``. Or an `xarray.Dataset` with
+        the points.
     quantities
         The numbers that are kept of each run: texts as in `matters`, such as ``"max:B.fx"``,
         ``"bob.phi"`` (at the end; its column is ``end:bob.phi``), ``"event:latch"``; or texts and
@@ -135,11 +135,11 @@ def sweep(
     out
         The folder of the Zarr store, ``study.zarr``, which must not exist unless `resume`.
     t_end, t_start, points
-        Of each run, s; output instants, from which the quantities are taken.
+        Last and first instant of each run, s; number of output instants, for the quantities.
     sample, count, seed
-        Unless given, all combinations of the values. "lhs" (Latin hypercube), "sobol", "halton" or
+        By default all combinations of the values. "lhs" (Latin hypercube), "sobol", "halton" or
         "random" draw `count` points from intervals and distributions; "saltelli", the design of
-        Sobol' indices, `count` times two more than there are factors. The seed makes it the same.
+        Sobol' indices, draws `count` · (factors + 2). The same seed draws the same points.
     keep
         Series that are kept whole of each run, at the output instants.
     analysis
@@ -148,31 +148,31 @@ def sweep(
     parameters, guess, start
         As in the analyses, the same for all runs.
     accuracy, method, formulation, rtol
-        Of a simulation, as in `simulate`, and so are atol, controllers, until, correction,
-        time_scale, first_step, max_step, max_steps and max_bytes.
+        For simulations, as in `simulate`; also atol, controllers, until, correction, time_scale,
+        first_step, max_step, max_steps and max_bytes.
     workers
-        Processes on this computer: unless given as many as it has cores, none for a sweep that is
-        shorter than their start; 0 is this process.
+        Processes on this computer, by default one for each core, or none for a sweep that is
+        shorter than their start; with 0 the calling process makes the runs.
     scheduler
-        The address of a Dask scheduler, whose cluster makes the runs in their place.
+        The address of a Dask scheduler, whose cluster makes the runs in place of `workers`.
     resume
-        Whether to go on with a store of the same sweep: what is done stays.
+        Whether to go on with a store of the same sweep, whose finished runs remain.
     progress
         Whether a terminal shows a bar with the remaining time.
 
     Returns
     -------
     Study
-        All runs. Those that fail have an outcome and a message; interrupted, a sweep returns what
-        is done.
+        All runs. Runs that fail have an outcome and a message; an interrupted sweep returns the
+        finished runs.
 
     Raises
     ------
     InputError
         If arguments make no sense, `out` exists, or `resume` finds another sweep there.
     LinkwrightError
-        If the processes cannot work: a scheduler that is lost, a disk that is full. What is done
-        stays, and `resume` goes on.
+        If the processes cannot work, as with a lost scheduler or a full disk. Finished runs remain,
+        and `resume` goes on.
 
     Examples
     --------

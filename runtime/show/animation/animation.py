@@ -64,7 +64,7 @@ class Animation:
     title
         Model and scene.
     labels
-        What tells the runs apart, one text a run.
+        One text for each run, which distinguishes it from the others.
     html
         The page as text.
     """
