@@ -50,7 +50,7 @@ class Body(Pose):
     model
         Token of the model that the body belongs to.
     outlines
-        Closed polygons of points (x', y'), m, that draw the body; if empty, they follow from joints.
+        Closed polygons of points (x', y'), m, that draw the body; empty: they follow from joints.
     center
         The centre of mass in the axes of the drawing, m; (0, 0) without an outline.
     fixed, turns
