@@ -87,7 +87,7 @@ class Machine(MachineStates):
             largest distance from the origin, or a fixed length), but not more than 1 m. Velocities
             have the same sizes per second.
         parameters
-            Values by name, in the declared units; the others keep their defaults.
+            Values by name, SI units or texts, ``"45 mm"``; the others keep their defaults.
         controllers
             Sampled value that is declared without an expression → a function of yours that computes
             it at each of its samples, ``lambda sample: -4.0 * sample.q("arm.phi")``, from
@@ -97,9 +97,10 @@ class Machine(MachineStates):
             than at the sample before.
         until
             Conditions on series of the result that end the run, by name: ``{"overload":
-            ("hinge.fx", ">", 500.0)}``, with "<" or ">". The run is made twice, first to `t_end`
-            and then to the condition, with the values that `controllers` returned in the first.
-            Conditions on positions and velocities belong in the scene, ``until=`` of `Model.scene`.
+            ("hinge.fx", ">", 500.0)}``, or ``"0.5 kN"``, with "<" or ">". The run is made twice,
+            first to `t_end` and then to the condition, with the values that `controllers` returned
+            in the first. Conditions on positions and velocities belong in the scene, ``until=`` of
+            `Model.scene`.
         correction, time_scale
             How states return onto the constraints: at every "step" (dependent coordinates from
             independent ones), at every "stage", or by "projection", "baumgarte" or "hybrid", for
@@ -194,9 +195,9 @@ class Machine(MachineStates):
         analysis
             "simulate", "kinematics" or "inverse_dynamics".
         parameters, starts, guesses
-            Values by name, declared units or SI units, as the `parameters`, `start` and `guess` of
-            the analysis: a number for all runs, or an array with one for each, (r,). At least one
-            is an array.
+            Values by name, SI units or texts, ``"45 mm"``, as the `parameters`, `start` and `guess`
+            of the analysis: one for all runs, or an array with one for each, (r,). At least one is
+            an array.
         threads
             Number of threads, by default one for each core that the process may use; 1: the calling
             thread makes the runs.
@@ -257,8 +258,8 @@ class Machine(MachineStates):
             number, by default 501. The output instants may also be given alone, in place of
             `t_end`: `[1.0]` is the one instant 1 s.
         parameters, guess, start
-            Parameter values by name, in the declared units, in place of the defaults. Values by
-            name of coordinate or velocity, in SI units, in place of the scene's: `guess` for the
+            Parameter values by name, SI units or texts, ``"45 mm"``, in place of the defaults.
+            Values by name of coordinate or velocity in place of the scene's: `guess` for the
             beginning of the search for the start, `start` for values that are kept, as for
             `simulate`.
         t_start
@@ -347,9 +348,9 @@ class Machine(MachineStates):
             sampled values, positions and states at which all rates vanish. "settling": a damped
             motion until rest, which also succeeds from a start far from it.
         guess, parameters
-            Positions by name of coordinate, and states, in SI units, at which the search begins, in
-            place of the scene's; start values of the scene are free here. Parameter values by name,
-            in the declared units.
+            Positions by name of coordinate, and states, at which the search begins, in place of the
+            scene's; start values of the scene are free here. Parameter values by name. Both in SI
+            units or as texts, ``"45 mm"``.
         t, progress
             Instant in s at which drivers and forces are frozen; whether a terminal shows a bar.
 

@@ -157,7 +157,7 @@ class MachineStates:
         Parameters
         ----------
         overrides
-            New values by name, in the declared units; the others keep their defaults.
+            New values by name, SI units or texts, ``"45 mm"``; the others keep their defaults.
 
         Returns
         -------
@@ -186,7 +186,7 @@ class MachineStates:
         q, v : (n,)
             A state on the constraints; the assembled start unless both are given.
         parameters
-            Values by name, in the declared units; the others keep their defaults.
+            Values by name, SI units or texts, ``"45 mm"``; the others keep their defaults.
 
         Returns
         -------
@@ -230,7 +230,7 @@ class MachineStates:
             An instant in s, at which the start is assembled, with drivers at their values then; or
             a state: from `assemble`, from `Result.state(t)`, or a result, for its end.
         parameters, guess
-            As for `assemble`: values by name, in the declared units; positions in m and rad.
+            As for `assemble`: values by name, in SI units or as texts, ``"45 mm"``.
         dimensions, forces, frames, names
             As for `Model.draw`; forces are the applied forces. `Result.draw` draws reactions, too.
 
@@ -267,10 +267,12 @@ class MachineStates:
         Parameters
         ----------
         guess
-            Values by name of coordinate (m, rad) or velocity (m/s, rad/s) at which the search
-            begins, in place of the scene's guesses; not of a name that the scene or `start` fixes.
+            Values by name of coordinate or velocity, SI units or texts, ``"30 deg"``, at which the
+            search begins, in place of the scene's guesses; not of a name that the scene or `start`
+            fixes.
         parameters, t
-            Values by name, in the declared units, the others keep their defaults; instant in s.
+            Values by name, SI units or texts, ``"45 mm"``, the others keep their defaults; instant
+            in s.
         start
             Values by name, as in `guess`, that are kept, in place of the values that the scene
             fixes.

@@ -18,6 +18,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from codegen.errors import InputError
 from codegen.readers.calls import checked_call, failure, note_user_error
+from codegen.readers.quantities import finite_in_unit
 from codegen.readers.values import KindError, finite_float, is_flag, shown
 
 Reader = Callable[[Any], Any]
@@ -71,12 +72,16 @@ def reads(
 
 
 def number(
-    demand: str, *, above: float = -math.inf, below: float = math.inf, closed: bool = False
-) -> Reader:
-    """A finite real number between `above` and `below`, or equal to one of them if `closed`."""
+    demand: str, *, above: float = -math.inf, below: float = math.inf, closed: bool = False,
+    unit: str = "",
+) -> Reader:  # fmt: skip
+    """A finite real number between `above` and `below`, or equal to one of them if `closed`.
+
+    Of one with a `unit` a quantity or its text will do, such as ``"20 ms"``.
+    """
 
     def read(value: Any) -> float:
-        parsed = finite_float(value)
+        parsed = finite_in_unit(value, unit) if unit else finite_float(value)
         if parsed is None or not (above < parsed < below or (closed and parsed in {above, below})):
             raise KindError(f"it must be {demand}.")
         return parsed

@@ -205,15 +205,27 @@ def converted(values: Any, given: str, unit: str) -> Any:
     """
     if given == unit:
         return values
+    asked = given
     try:
         measured = _measured(values, given)
+        asked = unit
+        _measured(1.0, unit)
     except ModelError:
         raise
     except Exception as error:  # pint raises several kinds
         raise UnitError(
-            f"{shown(given)} is no unit; write products of powers, such as kg m^2 or N m/rad."
+            f"{shown(asked)} is no unit; write products of powers, such as kg m^2 or N m/rad."
         ) from error
     return _converted(measured, unit)
+
+
+def converts(given: str, unit: str) -> bool:
+    """Whether `unit` is one into which numbers of another can be converted."""
+    try:
+        converted(1.0, given, unit)
+    except UnitError:
+        return False
+    return True
 
 
 def _measured(values: Any, unit: str) -> Any:

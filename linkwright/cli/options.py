@@ -14,7 +14,7 @@ import typer
 
 from codegen.errors import InputError
 from codegen.files.library_folders import model_names
-from codegen.readers.quantities import read_condition
+from codegen.readers.quantities import QUANTITY, read_condition
 from linkwright.cli import completion
 from runtime.integrate.simulation_options import OPTIONS, SimulationOption
 
@@ -137,7 +137,7 @@ Scene = Annotated[str | None, scene(..., "Scene of the model; the first unless g
 AnyScene = Annotated[str | None, scene(..., "One scene; all unless given.")]
 Values = Annotated[
     list[str] | None,
-    pair(..., "A parameter, in its declared unit; repeat for more.", "--set",
+    pair(..., 'A parameter, in SI units or with a unit, "length=45 mm"; repeat for more.', "--set",
          autocompletion=completion.settings),
 ]  # fmt: skip
 Generated = Annotated[
@@ -173,12 +173,12 @@ class Request:
     ]
     scene: Scene = None
     settings: Values = None
-    start: Annotated[list[str] | None, pair(..., "A start value, in SI units, that is kept.")] = (
-        None
-    )
+    start: Annotated[list[str] | None, pair(
+        ..., 'A start value that is kept, in SI units or with a unit, "crank.omega=60 rpm".'
+    )] = None  # fmt: skip
     guess: Annotated[
         list[str] | None,
-        pair(..., "A value, in SI units, at which the search for the start begins."),
+        pair(..., "A value, as for --start, at which the search for the start begins."),
     ] = None
     generated: Generated = None
     as_json: Json = False
@@ -330,27 +330,39 @@ def named_values(
     return values
 
 
-def _assignment(text: str) -> tuple[str, float]:
+def _number(text: str) -> float | str:
+    """A number, or the text of one with its unit; ValueError for all else."""
+    try:
+        return float(text)
+    except ValueError:
+        if QUANTITY.fullmatch(text):
+            return text.strip()
+        raise
+
+
+def _assignment(text: str) -> tuple[str, float | str]:
     name, _, value = text.partition("=")
     try:
-        return name.strip(), float(value)  # "" where there is no =
+        return name.strip(), _number(value)  # "" where there is no =
     except ValueError:
-        raise ValueError(f"{text}: write NAME=VALUE with a number.") from None
+        raise ValueError(
+            f'{text}: write NAME=VALUE with a number, or with one and its unit, "NAME=45 mm".'
+        ) from None
 
 
-def _condition(text: str) -> tuple[str, tuple[str, str, float]]:
+def _condition(text: str) -> tuple[str, tuple[str, str, float | str]]:
     """A condition that ends a run, of the form ``home: body.x > 3``."""
     name, _, condition = text.partition(":")
     try:
         series, sign, number = read_condition(condition if name.strip() else "")
-        return name.strip(), (series, sign, float(number))
+        return name.strip(), (series, sign, _number(number))
     except ValueError:
         raise ValueError(
             f'"{text}": write "NAME: SERIES > VALUE", or with <, such as "home: body.x > 3": a '
-            "name, a series of the result and a number."
+            "name, a series of the result and a number, perhaps with its unit."
         ) from None
 
 
-def parameters(settings: list[str] | None) -> dict[str, float]:
+def parameters(settings: list[str] | None) -> dict[str, float | str]:
     """The values of --set; InputError with all that is wrong."""
     return dict(Request("", settings=settings).words().get("parameters", {}))

@@ -25,7 +25,7 @@ from runtime.assembly.start_values import MOVED, Start, start_of_state, start_va
 from runtime.core.arrays import EPS
 from runtime.linalg.least_norm import least_norm_solver
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism import Values
+from runtime.mechanism.mechanism import Numbers
 from runtime.mechanism.module_tables import Description
 from runtime.results.assembled_state import Assembly, Moved, Redundant, State
 from runtime.singularity.motion_polynomial import taylor
@@ -47,12 +47,12 @@ _SAME_VELOCITY = 1e-9
 
 
 def assemble(
-    equations: Equations, t: float = 0.0, guess: Values | None = None,
-    start_at: Values | State | None = None, *, release: bool = False,
+    equations: Equations, t: float = 0.0, guess: Numbers | None = None,
+    start_at: Numbers | State | None = None, *, release: bool = False,
 ) -> Assembly:  # fmt: skip
     """Assemble at time t, from the start values of the scene, of `guess` and of `start_at`.
 
-    Values of the latter are kept; a state is kept as far as joints and drivers allow; a guess of
+    Numbers of the latter are kept; a state is kept as far as joints and drivers allow; a guess of
     what the scene fixes is refused. With `release`, fixed positions are guesses and start
     velocities zero, as a search for equilibrium takes them.
     """

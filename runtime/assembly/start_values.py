@@ -8,7 +8,7 @@ import numpy.typing as npt
 from codegen.errors import AssemblyError
 from codegen.readers.values import finite_float, shown
 from runtime.mechanism.dense_equations import FloatArray
-from runtime.mechanism.mechanism import Mechanism, Values
+from runtime.mechanism.mechanism import Mechanism, Numbers
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.table_rows import unknown
 from runtime.results.assembled_state import Assembly, State
@@ -29,7 +29,7 @@ class Start(NamedTuple):
 
 
 def start_values(
-    mechanism: Mechanism, guess: Values | None, fixed_values: Values | None = None, *,
+    mechanism: Mechanism, guess: Numbers | None, fixed_values: Numbers | None = None, *,
     release: bool = False,
 ) -> Start:  # fmt: skip
     """The scene's start values, with the user's in place of those of the same name.
@@ -54,12 +54,12 @@ def start_values(
     given += [(name, value, True) for name, value in (fixed_values or {}).items()]
     for name, value, kept in given:
         finite = finite_float(value)
-        if finite is None:
-            problems.append(f"Start value {name} is {shown(value)}; it must be a finite number.")
-        elif name not in places:
+        if name not in places:
             what = "coordinate or velocity"
             what = "coordinate, velocity or state" if description.states else what
             problems.append(unknown(what, name, description.variables))
+        elif finite is None:
+            problems.append(f"Start value {name} is {shown(value)}; it must be a finite number.")
         elif release and places[name][0] and not states[places[name][1]]:
             problems.append(
                 f"{description.title}: {name} is a velocity, and at rest all of them are zero. "
@@ -80,7 +80,7 @@ def start_values(
     return Start(values[0], values[1], fixed[0], fixed[1], named[0])
 
 
-def _refusal(description: Description, guess: Values) -> str:
+def _refusal(description: Description, guess: Numbers) -> str:
     """The problem of guesses, all of which name what the scene fixes."""
     series = description.series
     scene = ", ".join(
@@ -101,7 +101,7 @@ def start_of_state(state: State) -> Start:
 
 
 def start_note(
-    mechanism: Mechanism, begin: Assembly, guess: Values | None, given: Values | State | None
+    mechanism: Mechanism, begin: Assembly, guess: Numbers | None, given: Numbers | State | None
 ) -> str:
     """Sentences on what became of the start values and guesses of a user."""
     description, parts = mechanism.description, list[str]()

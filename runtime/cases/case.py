@@ -63,8 +63,7 @@ def load_case(path: str | os.PathLike[str]) -> "Case":
 class Case:
     """Model, scene, values and settings of a run, as data.
 
-    Values are numbers, or texts of a number and its unit, such as ``"1200 mm"``: parameters in
-    their declared units unless they say another one, start values and guesses in SI units.
+    Values are numbers in SI units, or texts of a number and its unit, such as ``"1200 mm"``.
 
     Parameters
     ----------

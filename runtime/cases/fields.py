@@ -200,7 +200,7 @@ class _Case(_Keys):
     scene: _one_of(  # type: ignore[valid-type]
         lambda value: "scene" if isinstance(value, dict | list) else "name", name=Text, scene=Scene
     ) = _key("Name of a scene, or a scene; the first unless given.")
-    parameters: Values = _key("Parameter: value, in its declared unit unless it has one.")
+    parameters: Values = _key("Parameter: value, in SI units unless it has one.")
     start: Values = _key("Coordinate, velocity or state: start value that is kept, SI units.")
     guess: Values = _key("The same: where the search for a start begins.")
 

@@ -20,7 +20,7 @@ from runtime.dynamics.joined_runs import Change, joined
 from runtime.dynamics.motion_at_instants import SimulatedMotion
 from runtime.dynamics.simulation import simulate_joints
 from runtime.mechanism.dense_equations import Contradiction, Equations, FloatArray, impact
-from runtime.mechanism.mechanism import Mechanism, Values, sibling, sibling_named
+from runtime.mechanism.mechanism import Mechanism, Numbers, sibling, sibling_named
 from runtime.results.assembled_state import Assembly, State
 from runtime.results.result import Result
 from runtime.results.run_records import Ending, Reconnection, sentences
@@ -63,7 +63,7 @@ def simulate(
 
 def follow(
     results: list[Result], changes: list[Change], mechanism: Mechanism, t_end: float,
-    t_eval: Any, span: float, *, parameters: Values, part: Callable[..., Result] = simulate_joints,
+    t_eval: Any, span: float, *, parameters: Numbers, part: Callable[..., Result] = simulate_joints,
     **settings: Any,
 ) -> None:  # fmt: skip
     """Append the runs that follow the last of the results, with other joints, and the changes.
@@ -145,7 +145,7 @@ class Gap(Exception):  # noqa: N818 (it is caught where runs follow one another)
 
 
 def cross(
-    before: Mechanism, after: Mechanism, end: Ending, parameters: Values
+    before: Mechanism, after: Mechanism, end: Ending, parameters: Numbers
 ) -> tuple[State, Change]:
     """The state behind the instant at which joints come or go; raises Gap."""
     description, engaged = after.description, [r.target for r in end.rows if r.action == "engage"]
@@ -190,7 +190,7 @@ def _what_changes(end: Ending) -> str:
     return f"Joint {' and '.join(joints)} at t = {end.state.t:.9g} s"
 
 
-def known_parameters(mechanism: Mechanism, parameters: Values) -> dict[str, float]:
+def known_parameters(mechanism: Mechanism, parameters: Numbers) -> dict[str, float]:
     """Those of the values whose parameters the mechanism has."""
     names = mechanism.description.parameters.names
     return {name: value for name, value in parameters.items() if name in names}
@@ -225,9 +225,9 @@ def scene_of_start(mechanism: Mechanism, start: object) -> Mechanism:
 
 
 def parameters_there(
-    there: Mechanism, mechanism: Mechanism, parameters: Values | None
-) -> Values | None:
-    """Values of the parameters of `mechanism`, without those that only its other scenes need.
+    there: Mechanism, mechanism: Mechanism, parameters: Numbers | None
+) -> Numbers | None:
+    """Numbers of the parameters of `mechanism`, without those that only its other scenes need.
 
     `there` is the mechanism of the scene in which a run begins.
     """

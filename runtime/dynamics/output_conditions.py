@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from codegen.errors import InputError
-from codegen.readers.values import finite_float, shown
+from codegen.readers.quantities import UnitError, finite_in_unit
+from codegen.readers.values import shown
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.controllers import Sample
 from runtime.mechanism.dense_equations import FloatArray
@@ -23,7 +24,7 @@ _LEAST, _MOST = 1000, 20_000  # safety: such instants of a run
 _ONE_INSTANT = 4e-15  # accuracy: of the time; how far behind what is located a series has jumped
 _SIGNS = {"<": -1.0, ">": 1.0}
 
-Conditions = Mapping[str, tuple[str, str, float]]
+Conditions = Mapping[str, tuple[str, str, float | str]]
 """Name → (series, "<" or ">", value)."""
 
 
@@ -53,7 +54,12 @@ def read_conditions(description: Description, until: Any) -> tuple[OutputConditi
     for name, one in until.items():
         listed = isinstance(one, tuple | list) and len(one) == 3
         series, sign, value = tuple(one) if listed else (None, None, None)
-        number = finite_float(value)
+        row = description.series.get(series) if isinstance(series, str) else None
+        try:
+            number = finite_in_unit(value, row.unit if row else "")
+        except UnitError as misfit:
+            problems.append(f"{title}: until={name}, {series}: {misfit}")
+            continue
         signed = isinstance(sign, str) and sign in _SIGNS
         fits = isinstance(name, str) and name and isinstance(series, str) and signed
         if not fits or number is None:

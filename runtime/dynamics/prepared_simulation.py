@@ -24,7 +24,7 @@ from runtime.integrate.clocks import queue_length, read_clocks, set_clocks
 from runtime.integrate.problem import Discrete, Options, Stops, Trajectory
 from runtime.integrate.wiring import begin_compiling
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism import Mechanism, Values
+from runtime.mechanism.mechanism import Mechanism, Numbers
 from runtime.progress_bar import Progress
 from runtime.results.assembled_state import Assembly, DiscreteState, State
 from runtime.validation.arguments import instants, parameter_values, require_masses, uniform
@@ -125,8 +125,8 @@ class PreparedSimulation:
 
     def __init__(
         self, mechanism: Mechanism, t_end: float, *, t_start: float = 0.0,
-        parameters: Values | None = None, guess: Values | None = None,
-        start: Assembly | State | Values | None = None,
+        parameters: Numbers | None = None, guess: Numbers | None = None,
+        start: Assembly | State | Numbers | None = None,
         controllers: Functions | None = None, length: float | None = None,
     ) -> None:  # fmt: skip
         if not mechanism.description.has_masses:

@@ -36,7 +36,7 @@ from runtime.explicit_time.instants import Kink
 from runtime.explicit_time.passage import Passages
 from runtime.integrate.problem import Options, Passage
 from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
-from runtime.mechanism.mechanism import Mechanism, Values
+from runtime.mechanism.mechanism import Mechanism, Numbers
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
 from runtime.results.motion_at_instants import Motion
@@ -51,8 +51,8 @@ _DIRECTIONS = {"crossing": int(Direction.CROSSED), "lock-up": int(Direction.LOCK
 
 
 def kinematics(
-    mechanism: Mechanism, t_eval: npt.ArrayLike, *, parameters: Values | None = None,
-    guess: Values | None = None, start: Values | None = None, t_start: float = 0.0,
+    mechanism: Mechanism, t_eval: npt.ArrayLike, *, parameters: Numbers | None = None,
+    guess: Numbers | None = None, start: Numbers | None = None, t_start: float = 0.0,
     progress: Progress = silent, analysis: str = "kinematics",
 ) -> Result:  # fmt: skip
     """Kinematics of `Machine.kinematics`; `analysis` names the analysis in messages."""
@@ -135,8 +135,9 @@ def _asked(equations: Equations, analysis: str) -> Equations:
 
 
 def inverse_dynamics(
-    mechanism: Mechanism, t_eval: npt.ArrayLike, *, parameters: Values | None = None, **options: Any
-) -> Result:
+    mechanism: Mechanism, t_eval: npt.ArrayLike, *, parameters: Numbers | None = None,
+    **options: Any,
+) -> Result:  # fmt: skip
     """Motion, reactions, drives and powers at the instants `t_eval`; options as `kinematics`."""
     description = mechanism.description
     if not description.has_masses:

@@ -37,7 +37,8 @@ if TYPE_CHECKING:
     from codegen import Model, Scene
     from codegen.generated_files.generated_file import SceneReport
 
-Values = Mapping[str, float]
+Numbers = Mapping[str, float]
+Values = Mapping[str, float | str]  # numbers in SI, and texts such as "45 mm"
 
 _ARRIVALS = 32  # layout: machines of other processes that are kept loaded
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+from collections.abc import Sequence
 from dataclasses import KW_ONLY, InitVar, dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -275,13 +276,15 @@ class Result(TimeSeries):
         return result
 
     @in_pyplot()
-    def plot(self, *names: str) -> "Figure":
+    def plot(self, *names: str, unit: str | Sequence[str] = ()) -> "Figure":
         """Draw series over time, those of one unit in one panel, as `at` has them.
 
         Parameters
         ----------
         names
             As in `series`; without any, the coordinates that are angles.
+        unit
+            A unit or several, ``("mm", "rpm")``: each series that fits one is drawn in it.
 
         Returns
         -------
@@ -292,11 +295,11 @@ class Result(TimeSeries):
         Raises
         ------
         InputError
-            If there is no such series, or matplotlib is not installed.
+            If there is no such series, a unit fits none, or matplotlib is not installed.
         """
         from runtime.show.pictures import plot
 
-        return plot(self, names)
+        return plot(self, names, unit)
 
     @in_pyplot()
     @readers.reads(

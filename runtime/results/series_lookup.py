@@ -8,6 +8,8 @@ import numpy.typing as npt
 from codegen.errors import InputError
 from codegen.object_display import counted, html_of, html_table, listed, without_rounding
 from codegen.readers.calls import checked_class
+from codegen.readers.quantities import converted, converts
+from codegen.readers.values import shown
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.series_table import Series
 from runtime.results.samples import FloatArray, Samples
@@ -21,6 +23,9 @@ class TimeSeries:
     """Samples of a motion, with the tables that name them; see `Result`.
 
     A name that the scene does not have is refused by an `InputError` with the nearest ones.
+
+    Values are in SI units, or in the `unit` that is asked for, such as "mm", "deg", "rpm" or "kN";
+    one that does not fit is refused by an `InputError`.
     """
 
     description: Description
@@ -32,7 +37,7 @@ class TimeSeries:
         """A column by any of its names, in SI units, as in `series`."""
         return self.series(name)[0]
 
-    def q(self, name: str) -> FloatArray:
+    def q(self, name: str, unit: str = "") -> FloatArray:
         """A coordinate over time.
 
         Parameters
@@ -45,9 +50,9 @@ class TimeSeries:
         (k,) float64
             In the coordinate's unit, m or rad.
         """
-        return self._called("q", name)
+        return self._called("q", name, unit=unit)
 
-    def v(self, name: str) -> FloatArray:
+    def v(self, name: str, unit: str = "") -> FloatArray:
         """A velocity over time.
 
         Parameters
@@ -60,9 +65,9 @@ class TimeSeries:
         (k,) float64
             In m/s or rad/s.
         """
-        return self._called("v", name)
+        return self._called("v", name, unit=unit)
 
-    def a(self, name: str) -> FloatArray:
+    def a(self, name: str, unit: str = "") -> FloatArray:
         """An acceleration over time.
 
         Parameters
@@ -76,9 +81,9 @@ class TimeSeries:
             In m/s² or rad/s², or the unit of a state per second; not a number in singular
             configurations.
         """
-        return self._called("a", name)
+        return self._called("a", name, unit=unit)
 
-    def y(self, name: str) -> FloatArray:
+    def y(self, name: str, unit: str = "") -> FloatArray:
         """A first-order state, a sampled value or a latch over time.
 
         Parameters
@@ -96,9 +101,9 @@ class TimeSeries:
         InputError
             If the scene has no such state.
         """
-        return self._called("y", name)
+        return self._called("y", name, unit=unit)
 
-    def point(self, name: str, component: str = "") -> FloatArray:
+    def point(self, name: str, component: str = "", unit: str = "") -> FloatArray:
         """Place of a tracked point over time, in global axes.
 
         Parameters
@@ -118,10 +123,10 @@ class TimeSeries:
             If there is no such point or component, or the scene leaves it out.
         """
         if component:
-            return self._called("point", name, component)
-        return np.column_stack([self._called("point", name, axis) for axis in "xy"])
+            return self._called("point", name, component, unit)
+        return np.column_stack([self._called("point", name, axis, unit) for axis in "xy"])
 
-    def reaction(self, joint: str, component: str) -> FloatArray:
+    def reaction(self, joint: str, component: str, unit: str = "") -> FloatArray:
         """Force or torque that the first body of a joint exerts on the second, in joint axes.
 
         Of a driver: what it exerts on the body that it drives.
@@ -143,7 +148,7 @@ class TimeSeries:
         InputError
             If there is no such joint or component, or the scene was declared without it.
         """
-        return self._called("reaction", joint, component)
+        return self._called("reaction", joint, component, unit)
 
     def mode(self, condition: str) -> npt.NDArray[np.int64]:
         """Mode of a switching condition over time.
@@ -180,7 +185,7 @@ class TimeSeries:
         """
         return self._called("share", condition)
 
-    def energy(self, part: str = "total") -> FloatArray:
+    def energy(self, part: str = "total", unit: str = "") -> FloatArray:
         """Energy over time.
 
         Parameters
@@ -198,9 +203,9 @@ class TimeSeries:
         InputError
             If there is no such part, bodies have no mass, or the scene was declared without it.
         """
-        return self._called("energy", part)
+        return self._called("energy", part, unit=unit)
 
-    def force(self, effect: str, component: str = "") -> FloatArray:
+    def force(self, effect: str, component: str = "", unit: str = "") -> FloatArray:
         """Force of an effect over time, an output ``force(NAME)`` of the scene.
 
         Of a spring, damper or actuator the tension, positive where it pulls its ends together; of a
@@ -228,9 +233,9 @@ class TimeSeries:
         InputError
             If there is no such effect or component, or the scene was declared without it.
         """
-        return self._called("force", effect, component)
+        return self._called("force", effect, component, unit)
 
-    def torque(self, effect: str, component: str = "") -> FloatArray:
+    def torque(self, effect: str, component: str = "", unit: str = "") -> FloatArray:
         """Torque of an effect over time, an output ``torque(NAME)`` of the scene.
 
         Of a torsion spring that on its first body, of a bushing that on its second, of a motor that
@@ -239,47 +244,47 @@ class TimeSeries:
         away from the limit, positive; of an effect without a torque of its own the
         generalized forces on angles, "bob.phi". Arguments and errors are those of `force`; in N m.
         """
-        return self._called("torque", effect, component)
+        return self._called("torque", effect, component, unit)
 
-    def length(self, effect: str) -> FloatArray:
+    def length(self, effect: str, unit: str = "") -> FloatArray:
         """Length of a spring or damper over time, in m; an output ``length(NAME)``."""
-        return self._called("length", effect)
+        return self._called("length", effect, unit=unit)
 
-    def angle(self, effect: str) -> FloatArray:
+    def angle(self, effect: str, unit: str = "") -> FloatArray:
         """Angle φ_j - φ_i of a torsion spring over time, in rad; an output ``angle(NAME)``."""
-        return self._called("angle", effect)
+        return self._called("angle", effect, unit=unit)
 
-    def rate(self, effect: str, component: str = "") -> FloatArray:
+    def rate(self, effect: str, component: str = "", unit: str = "") -> FloatArray:
         """Rate of a length, an angle or a gap, or the slip of a friction, in m/s or rad/s.
 
         An output ``rate(NAME)`` of the scene. A bushing has the components "x", "y" and "phi".
         """
-        return self._called("rate", effect, component)
+        return self._called("rate", effect, component, unit)
 
-    def deflection(self, effect: str, component: str = "") -> FloatArray:
+    def deflection(self, effect: str, component: str = "", unit: str = "") -> FloatArray:
         """Length less free length of a spring, or angle less free angle, in m or rad.
 
         An output ``deflection(NAME)`` of the scene. A bushing has the components "x", "y" and
         "phi", in the axes of its first body.
         """
-        return self._called("deflection", effect, component)
+        return self._called("deflection", effect, component, unit)
 
-    def gap(self, effect: str, component: str = "") -> FloatArray:
+    def gap(self, effect: str, component: str = "", unit: str = "") -> FloatArray:
         """Gap of a contact over time, in m, negative where it is penetrated; ``gap(NAME)``.
 
         Gears with backlash and elastic belts have two, "first" and "second".
         """
-        return self._called("gap", effect, component)
+        return self._called("gap", effect, component, unit)
 
     def penetration(self, effect: str, component: str = "") -> FloatArray:
         """Penetration of a contact that yields, in m, 0 where it is open; ``penetration(NAME)``."""
         return self._called("penetration", effect, component)
 
-    def potential(self, effect: str) -> FloatArray:
+    def potential(self, effect: str, unit: str = "") -> FloatArray:
         """Potential energy of an effect over time, in J; an output ``potential(NAME)``."""
-        return self._called("potential", effect)
+        return self._called("potential", effect, unit=unit)
 
-    def power(self, source: str, part: str = "whole") -> FloatArray:
+    def power(self, source: str, part: str = "whole", unit: str = "") -> FloatArray:
         """Power of an effect or driver on the machine.
 
         Parameters
@@ -301,9 +306,9 @@ class TimeSeries:
         InputError
             If there is no such effect or driver, or the scene was declared without its power.
         """
-        return self._called("power", source, part)
+        return self._called("power", source, part, unit)
 
-    def work(self, source: str) -> FloatArray:
+    def work(self, source: str, unit: str = "") -> FloatArray:
         """Work of an effect or driver on the machine since the start of a simulation.
 
         The integral of its `power`, of all that it exerts. Impacts, which change velocities at an
@@ -325,9 +330,9 @@ class TimeSeries:
             If there is no such effect or driver, the scene was declared without its work, or the
             analysis was no simulation.
         """
-        return self._called("work", source)
+        return self._called("work", source, unit=unit)
 
-    def series(self, name: str) -> tuple[FloatArray, str]:
+    def series(self, name: str, unit: str = "") -> tuple[FloatArray, str]:
         """A column by any of its names, and its unit.
 
         Parameters
@@ -343,7 +348,7 @@ class TimeSeries:
         unit : str
         """
         row = self.description.series.find(name)
-        return self.column(row), row.unit
+        return self._in_unit(row, unit), unit or row.unit
 
     def column(self, row: Series) -> npt.NDArray[Any]:
         """The values of a series of `Description.series`, (k,)."""
@@ -358,8 +363,21 @@ class TimeSeries:
         array: npt.NDArray[Any] = getattr(self.samples, row.array)
         return array.sum(axis=1) if row.column < 0 else array[:, row.column]
 
-    def _called(self, word: str, name: str, component: str = "") -> npt.NDArray[Any]:
-        return self.column(self.description.series.call(word, name, component))
+    def _called(
+        self, word: str, name: str, component: str = "", unit: str = ""
+    ) -> npt.NDArray[Any]:
+        return self._in_unit(self.description.series.call(word, name, component), unit)
+
+    def _in_unit(self, row: Series, unit: str) -> npt.NDArray[Any]:
+        """The values of a series in a unit, in its own if that is empty."""
+        if unit and not converts(row.unit, unit):
+            raise InputError(
+                f"{self.description.title}: {row.name} is in {row.unit or 'no unit'}, which does "
+                f"not convert to {shown(unit)}; ask for a unit of its dimension (of rad/s, rpm or "
+                "deg/s, and not Hz)."
+            )
+        values = self.column(row)
+        return np.asarray(converted(values, row.unit, unit)) if unit else values
 
 
 def text_of(result: "Result") -> str:

@@ -22,6 +22,7 @@ from codegen.drawing.picture import (
 from codegen.drawing.shapes import changed
 from codegen.errors import InputError
 from codegen.presentation import new_figure
+from codegen.readers.quantities import converts
 from runtime.mechanism.mechanism import Mechanism, sibling_named
 from runtime.results.motion_at_instants import for_curves
 
@@ -168,34 +169,48 @@ def _of_span(result: "Result", mechanism: Mechanism, rows: slice) -> Picture:
     return picture_at_states(mechanism, p, samples.t[rows], q, v)
 
 
-def plot(result: "Result", names: Sequence[str] = ()) -> "Figure":
+def plot(result: "Result", names: Sequence[str] = (), unit: str | Sequence[str] = ()) -> "Figure":
     """Draw series of a result (as in `Result.series`; or every angle), one panel for each unit.
 
-    Tracked points are drawn by their paths, y over x in equal axes, in a panel below.
+    Each is drawn in the first `unit` that fits it, or in its own. Tracked points are drawn by their
+    paths, y over x in equal axes, in a panel below.
     """
     result = for_curves(result)
     rows, tracked = result.description.positions, result.description.tracked
     chosen = names or [r.name for r in rows if r.is_angle] or [r.name for r in rows]
+    shown = _units_of({n: "m" if n in tracked else result.series(n)[1] for n in chosen}, unit)
     panels: dict[str, list[str]] = {}  # unit → names
     for name in chosen:
         if name not in tracked:
-            panels.setdefault(result.series(name)[1], []).append(name)
+            panels.setdefault(shown[name], []).append(name)
     points, last = [name for name in chosen if name in tracked], len(panels) - 1
     heights = [2.4] * len(panels) + [5.0] * bool(points)
     drawn = new_figure("plot", 7.0, sum(heights))
     axes = drawn.subplots(len(heights), 1, squeeze=False, height_ratios=heights)[:, 0]
-    for number, (axis, (unit, members)) in enumerate(zip(axes, panels.items(), strict=False)):
+    for number, (axis, (label, members)) in enumerate(zip(axes, panels.items(), strict=False)):
         for name in members:
-            axis.plot(result.t, result.series(name)[0], label=name)
+            axis.plot(result.t, result.series(name, label)[0], label=name)
         if number < last:
             axis.sharex(axes[last])
             axis.tick_params(labelbottom=False)
-        axis.set(ylabel=unit, xlabel="time (s)" if number == last else "")
+        axis.set(ylabel=label, xlabel="time (s)" if number == last else "")
     for name in points:
-        axes[-1].plot(*result.point(name).T, label=name)
-        axes[-1].set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
+        axes[-1].plot(*result.point(name, unit=shown[name]).T, label=name)
+        of = f"({shown[name]})"
+        axes[-1].set(xlabel=f"x {of}", ylabel=f"y {of}", aspect="equal")
     for axis in axes:
         axis.legend(frameon=False)
         axis.grid(visible=True, alpha=0.3)
     axes[0].set_title(result.description.title, loc="left")
     return drawn
+
+
+def _units_of(own: dict[str, str], unit: str | Sequence[str]) -> dict[str, str]:
+    """The unit in which each series is drawn, by those of its own, and those that are asked for."""
+    units = [unit] if isinstance(unit, str) else [*unit]
+    shown = {n: next((u for u in units if converts(of, u)), of) for n, of in own.items()}
+    for wanted in units:
+        if wanted not in shown.values():
+            known = ", ".join(f"{name} ({of or 1})" for name, of in own.items())
+            raise InputError(f"plot: unit {wanted!r} fits none of {known}; leave it out.")
+    return shown

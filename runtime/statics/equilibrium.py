@@ -18,7 +18,7 @@ from runtime.dynamics.checks.finite_results import end_before_infinite
 from runtime.dynamics.checks.kinks import kink_at_rest
 from runtime.dynamics.output_quantities import evaluate
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism import Mechanism, Values
+from runtime.mechanism.mechanism import Mechanism, Numbers
 from runtime.mechanism.module_tables import Description
 from runtime.progress_bar import Progress, silent
 from runtime.results.result import Result
@@ -174,8 +174,8 @@ class Equilibrium(Result):
 
 
 def equilibrium(
-    mechanism: Mechanism, method: str = "energy", *, guess: Values | None = None,
-    parameters: Values | None = None, t: float = 0.0, progress: Progress = silent,
+    mechanism: Mechanism, method: str = "energy", *, guess: Numbers | None = None,
+    parameters: Numbers | None = None, t: float = 0.0, progress: Progress = silent,
 ) -> Equilibrium:  # fmt: skip
     """Find a rest position near the start; see `Machine.equilibrium`."""
     began = clock.perf_counter()

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
+from codegen.readers.quantities import number_in
 from codegen.readers.values import KindError, shown
 from runtime.core.arrays import Vector
 from runtime.mechanism.mechanism import Mechanism
@@ -17,7 +18,7 @@ from runtime.validation.arguments import check, instants_of_motion, refuse_integ
 from runtime.validation.scene_support import refuse_states, require_motion
 
 Columns = Mapping[str, npt.ArrayLike]
-"""Values by name: a number for all members, or an array with one for each, (r,)."""
+"""Values by name: one for all members, or an array with one for each, (r,)."""
 DRIVEN = ("kinematics", "inverse_dynamics")
 """The analyses of motions that drivers prescribe."""
 _OF_SIMULATIONS = ("method", "rtol", "atol", "max_step", "max_steps")
@@ -25,7 +26,7 @@ _OF_SIMULATIONS = ("method", "rtol", "atol", "max_step", "max_steps")
 
 @dataclass(frozen=True)
 class Members:
-    """Values of r members by name, (r,) each: parameters in their units, others in SI units."""
+    """Values of r members by name, (r,) each, in SI units."""
 
     count: int
     parameters: dict[str, Vector]
@@ -82,6 +83,8 @@ def read_members(
     states = (*description.coordinates.names, *(row.velocity for row in description.coordinates))
     problems, lengths = list[str](), dict[str, int]()
     found = dict[str, Vector](), dict[str, Vector](), dict[str, Vector]()
+    units = {name: row.unit for name in states if (row := description.series.get(name))}
+    units |= {row.name: row.unit for row in description.parameters}
     tables: tuple[tuple[str, str, Any, tuple[str, ...]], ...] = (
         ("parameters", "parameter", parameters, description.parameters.names),
         ("starts", "coordinate or velocity", starts, states),
@@ -96,7 +99,7 @@ def read_members(
             try:
                 if name not in names:
                     raise KindError(unknown(kind, name, names))
-                columns[name] = column = _column(values)
+                columns[name] = column = _column(values, units.get(name, ""))
                 lengths |= {label: len(column)} if column.ndim else {}
             except KindError as misfit:
                 problems.append(f"{label}: {misfit}")
@@ -122,12 +125,14 @@ def read_members(
     return Members(count, *whole)
 
 
-def _column(values: npt.ArrayLike) -> Vector:
-    """A number or one dimension of finite ones; KindError says what is wrong with it."""
+def _column(values: npt.ArrayLike, unit: str) -> Vector:
+    """A number in a unit or one dimension of finite ones; KindError says what is wrong with it."""
     try:
         array = np.asarray(values)
     except (TypeError, ValueError):
         array = np.asarray(None)
+    if array.dtype.kind == "U":
+        array = np.array([number_in(text, unit) for text in array.flat]).reshape(array.shape)
     if array.dtype.kind not in "iuf":
         raise KindError(f"{shown(values)}; it must be numbers.")
     if array.ndim > 1 or array.size == 0:

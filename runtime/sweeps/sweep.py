@@ -49,6 +49,7 @@ from runtime.sweeps.store import (
     tasks_of,
 )
 from runtime.sweeps.study import Study
+from runtime.validation.arguments import check
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -124,7 +125,7 @@ def sweep(
     model, scene, folder, generated
         As in `load`.
     over
-        Parameters, in the declared units, and start values, in SI units, that vary, by name →
+        Parameters and start values that vary, in SI units or with a unit, by name →
         numbers, a text (``"200:1000:81"``, ``"225,450,900"``), an interval ``"200:1000"`` or a
         distribution ``"normal:450:20"`` or ``("normal", 450.0, 20.0)``. Or an `xarray.Dataset` with
         the points.
@@ -198,7 +199,11 @@ def sweep(
         f"{name} varies, and has one value as well (parameters, start): leave out one of them."
         for name in factors if name in {**(parameters or {}), **(start or {})}
     ]  # fmt: skip
-    attempt(problems, lambda: machine.parameter_values(parameters))
+    values = attempt(problems, lambda: check(
+        machine.mechanism, {"parameters": parameters, "guess": guess, "start": start or {}},
+        start_has_values=True,
+    )) or {}  # fmt: skip
+    attempt(problems, lambda: machine.parameter_values(values.get("parameters")))
     run |= {"accuracy": accuracy, "method": method, "formulation": formulation, "rtol": rtol}
     options = attempt(problems, lambda: read_simulation_arguments(machine, run, kind)) or {}
     last = attempt(problems, lambda: require_time_span(machine, kind, t_start, t_end))
@@ -218,8 +223,7 @@ def sweep(
         start_values=tuple(name for name in factors if name not in machine.parameters.names),
         quantities=wanted, series=kept, t_start=t_start,
         t_end=t_start if last is None else last, instants=points,
-        parameters=dict(parameters or {}), guess=dict(guess or {}), start=dict(start or {}),
-        options=options,
+        **{word: given or {} for word, given in values.items()}, options=options,
     )  # fmt: skip
     with store_lock(path):
         _require_place(path, resume=resume)  # another sweep may have begun meanwhile

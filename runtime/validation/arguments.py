@@ -6,7 +6,7 @@ user's values over them, checked all at once; masses and inertias that they make
 refused, with the parameters behind them.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from codegen.errors import AnalysisError, InputError, ParameterError
 from codegen.parameter_conditions import profile_problems, violated_conditions
 from codegen.readers import arguments as readers
 from codegen.readers.arguments import Reader, count, either, optional
+from codegen.readers.quantities import UnitError, finite_in_unit
 from codegen.readers.values import KindError, finite_float, is_flag, shown
 from runtime.core.kinds import ANALYSES, analysis_name, analysis_title
 from runtime.mechanism.dense_equations import Equations, FloatArray
@@ -83,6 +84,8 @@ def instants_of_motion(
             f'{analysis}: t_eval = "steps" has no meaning, as drivers prescribe the motion at '
             "every instant. Give instants, or how many."
         )
+    if isinstance(t_end, str):
+        t_end = readers.read_arguments(analysis, KINDS, {"t_end": t_end})["t_end"]
     last = None if is_flag(t_end) else finite_float(t_end)
     if last is None and t_end is not None:
         if t_eval is not None:
@@ -155,10 +158,35 @@ def check(
         kinds |= {**_state_readers(mechanism), "at": at}
     known = {name: value for name, value in given.items() if name in kinds}
     values = readers.read_arguments(mechanism.title, kinds, known)
-    problems = _contradictions(values) if values.get("start") is not None else []
+    problems = [*_conversion_problems(mechanism.description, values)]
+    problems += _contradictions(values) if values.get("start") is not None else []
     if problems:
         raise InputError(problems)
     return values
+
+
+def _conversion_problems(description: Description, given: dict[str, Any]) -> Iterator[str]:
+    """Values with units become numbers in SI; a sentence for each whose unit does not fit."""
+    for word in ("parameters", "guess", "start"):
+        values: Any = given.get(word)
+        if not isinstance(values, dict):
+            continue
+        for name, value in values.items():
+            if isinstance(value, float):
+                continue
+            try:
+                if word == "parameters" and name in description.parameters:
+                    values[name] = _converted(value, description.parameters[name].unit)
+                elif word != "parameters" and name in description.variables:
+                    values[name] = _converted(value, description.series.find(name).unit)
+            except UnitError as misfit:
+                yield f"{description.title}: {word}, {name}: {misfit}"
+
+
+def _converted(value: Any, unit: str) -> Any:
+    """A value with a unit as a number in another one; what is none stays as it is."""
+    number = finite_in_unit(value, unit)
+    return value if number is None else number
 
 
 def _contradictions(given: Mapping[str, Any]) -> list[str]:
@@ -249,8 +277,8 @@ def _state_readers(mechanism: Mechanism, prefix: str = "") -> dict[str, Reader]:
 
 _values = readers.values('{"crank.phi": 0.5}')
 _tolerance = readers.number("a positive finite number", above=0.0)
-_instant = readers.number("a finite number of seconds")
-_length = optional(readers.number("a positive number of seconds", above=0.0))
+_instant = readers.number("a finite number of seconds", unit="s")
+_length = optional(readers.number("a positive number of seconds", above=0.0, unit="s"))
 KINDS: dict[str, Reader] = {
     **dict.fromkeys(("t", "t_end", "t_start"), _instant),
     **dict.fromkeys(("rtol", "accuracy"), optional(_tolerance)),
@@ -276,7 +304,7 @@ def parameter_values(
     mechanism: Mechanism, overrides: Values | None = None
 ) -> npt.NDArray[np.float64]:
     """Parameters and the constants derived from them, (np,); see `Machine.parameter_values`."""
-    check(mechanism, {"parameters": overrides})
+    overrides = check(mechanism, {"parameters": overrides})["parameters"]
     description = mechanism.description
     table = description.parameters
     values = np.zeros(description.parameter_slots)

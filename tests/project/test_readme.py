@@ -1,6 +1,7 @@
 """The first minutes: what README and the pages tell a user to type is there."""
 
 import re
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,8 @@ def typed(page: Path) -> list[list[str]]:
     """The words after `linkwright` of every command line of a page, comments left out."""
     text = page.read_text(encoding="utf-8").replace(" --t-end T`", " --t-end 1`")
     lines = (match.group(1) or match.group() for match in LINE.finditer(text))
-    return [line.partition("  #")[0].removeprefix("linkwright ").split() for line in lines]
+    words = (line.partition("  #")[0].removeprefix("linkwright ") for line in lines)
+    return [shlex.split(line) for line in words]
 
 
 COMMANDS = [(page.name, words) for page in PAGES for words in typed(page) if "..." not in words]

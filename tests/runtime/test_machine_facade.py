@@ -126,7 +126,7 @@ WRONG: dict[str, Callable[[Machine], Any]] = {
         object.__new__(Equilibrium), 3  # type: ignore[call-arg]
     ),
     "Result.q: missing a required": lambda of: result(of).q(),  # type: ignore[call-arg]
-    "Result.power: too many": lambda of: result(of).power("a", "b", "c"),  # type: ignore[call-arg]
+    "Result.power: too many": lambda of: result(of).power("a", "b", "c", "d"),  # type: ignore[call-arg]
     "Machine.assemble: too many": lambda of: of.assemble(1, 2, 3, 4),  # type: ignore[call-arg, arg-type]
     "power: missing a required": lambda of: Result.power(),  # type: ignore[call-arg]
     "Assembly: missing a required argument": lambda of: Assembly(),  # type: ignore[call-arg]

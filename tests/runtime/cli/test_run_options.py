@@ -127,7 +127,7 @@ def test_a_start_value_holds(run: Run) -> None:
     assert "start sets bar.phi = 0.25 rad." in answer["message"]
     done = run(*words[:-1], "bar.phi")
     assert done.exit_code == 2
-    assert "--start bar.phi: write NAME=VALUE with a number." in done.stderr
+    assert "--start bar.phi: write NAME=VALUE with a number" in done.stderr
 
 
 def test_a_report_to_an_accuracy(run: Run, tmp_path: Path) -> None:
