@@ -137,5 +137,5 @@ lock: ## resolve every requirement anew and write constraints.txt
 
 clean: ## remove the environments, the caches and what the targets wrote
 	rm -rf .venv .venv-* .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis \
-		build dist docs/_build docs/gallery/pages docs/notebooks figures results
+		build dist docs/_build docs/elements/pictures docs/gallery/pages docs/notebooks figures results
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
