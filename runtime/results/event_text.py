@@ -35,7 +35,11 @@ def event_text(name: str, direction: int) -> str:
             )
         case Direction.HOLDS:
             compared = _compared(condition)
-            where = f"{compared[0]} = {compared[2]}" if compared else _cut(condition)
+            where = (
+                f"{compared[0]} = {compared[2]}"
+                if compared
+                else f"the boundary of {_cut(label_sides(condition)[0])}"
+            )
             return f"{element}: the motion stays on {where}"
     return f"{element}: {_cut(condition)}, impact"
 

@@ -67,6 +67,7 @@ def test_a_label_names_the_events_of_a_condition(labelled: Machine) -> None:
         ("valve: p_low > p_high", -1, "valve: p_low > p_high ceases to hold"),
         ("valve: opens / closes", 1, "opens"),
         ("valve: opens / closes", -1, "closes"),
+        ("valve: opens / closes", 0, "valve: the motion stays on the boundary of opens"),
         ("valve: opens", -1, "no longer: opens"),
         ("singular: drive, A", 3, "drive, A: a singular position is crossed"),
     ],

@@ -56,6 +56,12 @@ export class Scene {
     this.gravity = symbols.find(({ gravity }) => gravity)?.gravity;
     this.byName = new Map(run.series.map((one) => [one.name, one]));
     this.show(this.start);
+    this.still = { held: empty(), floor: empty() }; // boxes round lines of the ground that stand still
+    this.moving = this.strokes.filter(({ body, shift }) => shift || !this.bodies[body].fixed);
+    for (const { body, corners, shift, element } of this.strokes) {
+      const box = this.still[this.tied.has(element) ? "held" : "floor"];
+      if (this.bodies[body].fixed && !shift) for (const { x, y } of corners.map((at) => this.place({ body, ...at }))) include(box, [x, y, x, y]);
+    }
   }
 
   get start() {
@@ -123,6 +129,17 @@ export class Scene {
     return { x: mean("x"), y: mean("y") };
   }
 
+  /** The bodies that fly away: they leave those that are held by more than the machine's size. */
+  get away() {
+    const [near, away] = [empty(), new Set()];
+    this.survey(() => this.enlarge(near, this.held));
+    this.survey(() => this.poses.forEach(({ x, y }, body) => {
+      const far = Math.max(near[0] - x, near[1] - y, x - near[2], y - near[3]);
+      if (!this.held.has(body) && far > this.size) away.add(body);
+    }));
+    return away;
+  }
+
   /**
    * Boxes [x least, y least, x largest, y largest] of the view: of the machine, of all of the run;
    * and whether the machine travels so far that the first is one to go along with its middle.
@@ -130,8 +147,9 @@ export class Scene {
   get view() {
     const [machine, whole] = [empty(), empty()];
     const [around, { x, y }] = [empty(), this.middle];
+    const [away, every] = [this.away, this.bodies.map((_, body) => body)];
     this.survey(() => {
-      const now = this.enlarge(empty(), this.held);
+      const now = this.enlarge(empty(), new Set(every.filter((body) => this.held.has(body) || !away.has(body))));
       if (!now.every(Number.isFinite)) return;
       const { x: dx, y: dy } = this.middle;
       include(machine, now);
@@ -158,22 +176,22 @@ export class Scene {
     this.bodies.forEach(({ outlines }, body) => {
       if (counts(body)) for (const point of outlines.flat()) add(this.place({ body, ...point }));
     });
-    const floors = [];
-    for (const { body, corners, shift, element } of this.strokes) {
+    const corners = ([left, bottom, right, top]) => (left > right ? [] : [{ x: left, y: bottom }, { x: right, y: top }]);
+    const floors = corners(this.still.floor);
+    for (const point of corners(this.still.held)) add(point);
+    for (const { body, corners: points, shift, element } of this.moving) {
       if (!counts(body)) continue;
-      if (only && this.bodies[body].fixed && !this.tied.has(element)) {
-        floors.push(...corners.map((point) => this.place({ body, ...point })));
-        continue;
-      }
       const frame = shift && [poseOf(shift, this.at)];
-      for (const point of corners) add(this.place({ ...(frame ? inWorld(frame, { body: 0, ...point }) : point), body }));
+      const placed = points.map((at) => this.place({ ...(frame ? inWorld(frame, { body: 0, ...at }) : at), body }));
+      if (this.bodies[body].fixed && !this.tied.has(element)) floors.push(...placed);
+      else placed.forEach((point) => add(point));
     }
     const { links, names, drives, traces } = this;
     const places = [...links.flatMap(({ i, j }) => [i, j]), ...[...names, ...drives, ...traces].map(({ at }) => at)];
     for (const place of places) if (place.path || counts(place.body)) add(this.place(place), 3 * this.u);
     const room = 4 * this.u;
     const [left, bottom, right, top] = [box[0] - room, box[1] - room, box[2] + room, box[3] + room];
-    for (const { x, y } of floors) add({ x: Math.min(Math.max(x, left), right), y: Math.min(Math.max(y, bottom), top) });
+    for (const { x, y } of floors) add(!only ? { x, y } : { x: Math.min(Math.max(x, left), right), y: Math.min(Math.max(y, bottom), top) });
     return box;
   }
 

@@ -1,5 +1,6 @@
 """What a page shows before anybody has touched it: the machine, its colours, all panels."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -148,3 +149,14 @@ def test_a_tracked_point_is_drawn_whether_it_is_an_output_or_not(
     ((symbol, trace),) = picture.having(Trace)
     assert symbol.element == "P"
     assert picture.at(trace.at)[0] == pytest.approx(1.0 + 0.2j)
+
+
+def test_what_lies_loose_beside_the_machine_is_in_the_view(show: Open, tmp_path: Path) -> None:
+    """A body that nothing holds and that stays near, such as a link of a chain round sprockets."""
+    t = np.linspace(0.0, 1.0, 11)
+    crank = crank_pictures(t, t)
+    poses = np.concatenate([crank.poses, np.zeros((len(t), 1, 3))], axis=1)
+    poses[:, 2, 0] = 1.0 + 0.3 * t
+    bodies = (*crank.bodies, BodyPicture("link", outlines=(np.array([0, 0.2, 0.2j]),)))
+    page = show(page_of(tmp_path / "loose.html", replace(crank, bodies=bodies, poses=poses)))
+    assert page.evaluate("player.camera.box[2]") == pytest.approx(1.5, abs=0.02)
