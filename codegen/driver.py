@@ -13,6 +13,7 @@ compile   file                  → machine code, kept on the disk (codegen.mach
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 from typing import Any, get_args
@@ -51,14 +52,15 @@ GENERATOR = f"linkwright {codegen.__version__}"
 @readers.reads(
     model=readers.model, scene=readers.optional(readers.scenes),
     out=readers.optional(readers.path), settings=readers.optional(readers.values('{"J1": 900.0}')),
-    progress=readers.reporter, unroll=readers.optional(readers.word(*get_args(Unroll))),
+    progress=readers.reporter, outputs=readers.flag,
+    unroll=readers.optional(readers.word(*get_args(Unroll))),
     **dict.fromkeys(("tangents", "reduced", "picture", "check", "compile"), readers.flag),
 )  # fmt: skip
 def build(
     model: str | Path | Model, scene: str | Scene | Sequence[str | Scene] | None = None,
     out: str | Path | None = None, *, settings: Mapping[str, float | str] | None = None,
-    tangents: bool = False, reduced: bool = False, picture: bool = False, check: bool = False,
-    compile: bool = True,  # noqa: A002 (what it does)
+    tangents: bool = False, reduced: bool = False, picture: bool = False, outputs: bool = False,
+    check: bool = False, compile: bool = True,  # noqa: A002 (what it does)
     unroll: Unroll | None = "auto",
     progress: Progress = lambda message: None,
 ) -> BuildReport:  # fmt: skip
@@ -82,6 +84,8 @@ def build(
         companion modules are updated in any case.
     picture
         Also generate what draws the mechanism: the geometry of its bodies and elements.
+    outputs
+        Also generate all outputs, which a result computes when it is asked for one.
     check
         Write nothing; report the files that are missing or out of date.
     compile
@@ -105,6 +109,7 @@ def build(
         have no derivatives or reduced equations although they are requested.
     """
     requested = {"tangents": tangents, "reduced": reduced, "picture": picture}
+    requested["outputs"] = outputs
     return _build(model, scene, out, settings or {}, requested, check, compile, progress, unroll)
 
 
@@ -121,7 +126,10 @@ def _build(
     declared = with_settings(file.model, given)
     settings = {name: declared.parameters[name].value for name in given}
     reading = perf_counter() - started
-    scenes = [without_overridden(s, settings) for s in valid_scenes(declared, scene)]
+    scenes = [
+        replace(without_overridden(s, settings), owner=declared)
+        for s in valid_scenes(declared, scene)
+    ]
     folder = Path(out) if out is not None else default_folder(file)
     prepared = []
     for chosen in scenes:

@@ -32,7 +32,7 @@ from codegen.readers.values import one_line
 if TYPE_CHECKING:
     from codegen.model import Model
 
-_GEOMETRY = ("point", *(word for word in QUANTITIES if word not in EXERTED))
+_GEOMETRY = ("default", "point", *(word for word in QUANTITIES if word not in EXERTED))
 _CONSTANT = {
     el.Sticking: (("coefficient", "kinetic"), ("static coefficient", "static")),
     el.Rigid: (("restitution", "restitution"), ("typical force", "scale")),

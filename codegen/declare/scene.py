@@ -126,7 +126,7 @@ class Scene(Choices):
         ``"kinematics"`` compiles no mass and no force, ``"equilibrium"`` nothing that only a motion
         needs.
     outputs
-        The outputs computed in addition to the motion; None means all.
+        The outputs computed in addition to the motion; None means those of ``"default"``.
     until
         The conditions that end a run.
     request, owner

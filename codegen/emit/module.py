@@ -97,9 +97,11 @@ class Origin:
     unroll: Unroll = "auto"  # whether kernels are written out, or in loops over tables
 
 
-def module_text(lowered: Lowered, origin: Origin) -> str:
-    """The whole module, signed with the SHA-256 of its own text."""
+def module_text(lowered: Lowered, origin: Origin, module: str = "") -> str:
+    """The whole module, signed; of a companion with the SHA-256 of the scene's own, `module`."""
     tables = _tables(lowered, origin)
+    if module:
+        tables["MODULE_SHA256"] = module
     arguments = Arguments.of(lowered.description)
     return assemble_module(lowered.program, origin, _docstring(lowered), tables, arguments)
 

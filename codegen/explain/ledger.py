@@ -18,7 +18,7 @@ from codegen.lower.lowered_scene import Lowered
 from codegen.model import Model
 from codegen.model.base import TRACKED
 from codegen.model.bodies import FORMS
-from codegen.model.scene_requests import ALL, GROUPS, NONE, OF_ANALYSIS
+from codegen.model.scene_requests import ALL, DEFAULT, GROUPS, NONE, OF_ANALYSIS
 from codegen.reading.model_file import read_model
 from codegen.reading.scene_selection import valid_scenes
 
@@ -257,7 +257,8 @@ def output_inventory(model: Model, scene: Scene) -> tuple[OutputEntry, ...]:
     """The groups of outputs, and those of single elements that the scene names."""
     entries = []
     for word in GROUPS:
-        reported = word in ALL if scene.outputs is None else word in scene.outputs
+        named = scene.outputs or (DEFAULT,)
+        reported = word in named or (DEFAULT in named and word in ALL)
         why = "named by the scene" if reported else "the scene does not name it"
         if scene.outputs is None:
             why = "reported where no output is named" if reported else "not reported unless named"
@@ -266,7 +267,7 @@ def output_inventory(model: Model, scene: Scene) -> tuple[OutputEntry, ...]:
             lacks = "a kinematic scene has no masses and no forces"
             reported, why = False, lacks if kinematic else "a scene for equilibrium has no motion"
         entries.append(OutputEntry(word, reported, why))
-    single = [word for word in scene.outputs or () if word not in GROUPS]
+    single = [word for word in scene.outputs or () if word not in (DEFAULT, *GROUPS)]
     return (*entries, *(OutputEntry(word, True, "named by the scene") for word in single))
 
 

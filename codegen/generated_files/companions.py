@@ -1,4 +1,4 @@
-"""Companion modules of a scene: exact derivatives, and the equations in reduced coordinates.
+"""Companion modules of a scene: exact derivatives, reduced equations, its picture, all outputs.
 
 Each kind is written on request, and updated wherever it exists.
 """
@@ -6,16 +6,25 @@ Each kind is written on request, and updated wherever it exists.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import cast
 
-from codegen.derive.equations import Equations
-from codegen.emit.module import Origin, operation_table, picture_text, reduced_text, tangents_text
+from codegen.derive.equations import Equations, derive
+from codegen.emit.module import (
+    Origin,
+    module_text,
+    operation_table,
+    picture_text,
+    reduced_text,
+    tangents_text,
+)
 from codegen.errors import SceneError
 from codegen.files.generated_modules import companion_path
 from codegen.generated_files.generated_file import Clock, CompanionReport, FileReport
 from codegen.lower.differentiation.program_tangents import tangent_program
 from codegen.lower.kernels.picture_kernels import lower_picture
-from codegen.lower.lowered_scene import Lowered
+from codegen.lower.lowered_scene import Lowered, lower
 from codegen.lower.program import Program
+from codegen.model import Model
 from codegen.reduce.reduced_kernels import reduce
 
 Emit = Callable[[Lowered, Origin, str], tuple[Program, str]]
@@ -104,8 +113,17 @@ def _picture(lowered: Lowered, provenance: Origin, module: str) -> tuple[Program
     return picture.program, picture_text(lowered, picture, provenance, module)
 
 
+def _outputs(lowered: Lowered, provenance: Origin, module: str) -> tuple[Program, str]:
+    """The scene's own module again, with all of its outputs."""
+    scene = lowered.scene.equations.scene
+    model = cast(Model, scene.owner)
+    whole = lower(derive(model, model.with_all_outputs(scene)))
+    return whole.program, module_text(whole, provenance, module)
+
+
 COMPANIONS = (
     Companion("tangents", "differentiate", "derivatives", _tangents_missing, _tangents),
     Companion("reduced", "reduce", "reduced", _reduced_missing, _reduced),
     Companion("picture", "picture", "picture", lambda equations: "", _picture),
+    Companion("outputs", "outputs", "all outputs", lambda equations: "", _outputs),
 )

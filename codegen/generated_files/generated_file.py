@@ -81,8 +81,8 @@ class SceneReport(FileReport):
 
     Attributes
     ----------
-    tangents, reduced, picture
-        Its companion modules, if it has them: exact derivatives, reduced coordinates, geometry.
+    tangents, reduced, picture, outputs
+        Its companion modules, if it has them: exact derivatives, reduced coordinates, geometry …
     notes
         Remarks for the modeller: constraints that are redundant near the start values.
     """
@@ -100,12 +100,13 @@ class SceneReport(FileReport):
     tangents: CompanionReport | None = None
     reduced: CompanionReport | None = None
     picture: CompanionReport | None = None
+    outputs: CompanionReport | None = None
     notes: tuple[str, ...] = ()
 
     @property
     def companions(self) -> tuple[CompanionReport, ...]:
         """Its companion modules."""
-        return tuple(filter(None, (self.tangents, self.reduced, self.picture)))
+        return tuple(filter(None, (self.tangents, self.reduced, self.picture, self.outputs)))
 
 
 @readable_class

@@ -37,7 +37,8 @@ class Selection:
     """The outputs that a scene names; all of them where it names none."""
 
     def __init__(self, equations: Equations) -> None:
-        self.outputs = equations.scene.outputs
+        self.outputs = outputs = equations.scene.outputs
+        self.default = outputs is None or "default" in outputs
         # whether the scene asks how the machine moves under forces, and not only where it rests
         self.moves = equations.scene.analysis == "dynamics"
         # A run holds a friction in a joint that sticks against its limit in each position.
@@ -56,7 +57,7 @@ class Selection:
 
     def work(self, source: str) -> bool:
         """Whether the work of an effect or driver is, which has to be named."""
-        return self.moves and self.outputs is not None and self._names("work", source)
+        return self.moves and _is_named(self.outputs, "work", source)
 
     def reactions(self, scene: SceneGraph) -> list[Reaction]:
         """The forces that are, of elements that transmit them."""
@@ -71,8 +72,8 @@ class Selection:
         return "reaction" in row.words and self._massive and self._names("reaction", row.element)
 
     def multipliers(self, scene: SceneGraph) -> tuple[int, ...]:
-        """Constraints on whose multipliers an output depends; all where none is named."""
-        if self.outputs is None:
+        """Constraints on whose multipliers an output depends; all by default."""
+        if self.default:
             return tuple(range(scene.m))
         values = [row.value for row in self.reactions(scene)]
         values += [value for name, value in scene.powers if self.power(name) or self.work(name)]
@@ -85,9 +86,13 @@ class Selection:
 
     def _names(self, word: str, element: str = "") -> bool:
         """Whether a word is asked for, of all elements or of one."""
-        return self.outputs is None or not {word, f"{word}s", f"{word}({element})"}.isdisjoint(
-            self.outputs
-        )
+        by_default = self.default and word in ("reaction", "energy", "power")
+        return self.outputs is None or by_default or _is_named(self.outputs, word, element)
+
+
+def _is_named(outputs: tuple[str, ...] | None, word: str, element: str) -> bool:
+    """Whether a list of outputs has a word, of all elements or of one."""
+    return not {word, f"{word}s", f"{word}({element})"}.isdisjoint(outputs or ())
 
 
 def peak_arguments(scene: SceneGraph, peaks: tuple[PeakedFunction, ...]) -> Kernel:
@@ -150,7 +155,7 @@ def lower(equations: Equations) -> Lowered:
     if equations.mass:
         powers = _powers(scene, selection)
         kernels += _dynamic_kernels(scene, selection, powers)
-    if reported or (equations.mass and selection.outputs is None):
+    if reported or (equations.mass and selection.default):
         summary = (
             "Reactions: joint forces on the second body in the joint's axes, and forces of drivers."
         )
@@ -211,7 +216,7 @@ def _dynamic_kernels(
     if selection.energy() and not resting:
         energy = (Output("return", 0, _kinetic_energy(scene)),)
         kernels.append(Kernel("kinetic_energy", "T = q̇ᵀ M q̇ / 2, J.", ("q", "v", "p"), energy))
-    if powers or (selection.outputs is None and not resting):
+    if powers or (selection.default and not resting):
         summary = "Power in W: Q_eᵀ q̇ of each effect without a potential, λᵀ Φ_t of each driver."
         values, sources = [w for *_, w in powers], [source for source, *_ in powers]
         kernels.append(storing("powers", summary, "t q v p modes lam out", values, sources))
@@ -268,6 +273,6 @@ def _powers(scene: SceneGraph, selection: Selection) -> list[tuple[str, str, int
     for name, value in working.items():
         if selection.work(name) and value != graph.zero:
             selected.append((f"work({name})", "work", value))
-        elif name in stored and selection.outputs is not None and selection.power(name):
+        elif name in stored and selection.moves and _is_named(selection.outputs, "power", name):
             selected.append((f"power({name})", "power", value))
     return selected

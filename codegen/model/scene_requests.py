@@ -28,6 +28,7 @@ NONE = "none"  # the fidelity of an effect that a scene does without
 
 
 ALL = ("reactions", "energy", "powers")  # outputs of a scene that names none
+DEFAULT = "default"  # the word for these; of powers those that make a balance with the energies
 GROUPS = (*ALL, "points", "works", *(f"{quantity}s" for quantity in QUANTITIES))
 SINGLE = ("reaction", "power", "point", "work", *QUANTITIES)
 ONE = re.compile(rf"({'|'.join(SINGLE)})\((\w+)\)\Z")
@@ -224,7 +225,7 @@ class SceneRequests(MovingBodies, Connections):
         self, read: Reader, where: str, outputs: Any, analysis: Any
     ) -> tuple[str, ...] | None:
         """The words in a fixed order, each once; None for those of a scene that names none."""
-        if outputs is None or (isinstance(outputs, str) and outputs == "default"):
+        if outputs is None:
             return None
         try:
             given = [outputs] if isinstance(outputs, str) else entries(outputs)
@@ -236,13 +237,15 @@ class SceneRequests(MovingBodies, Connections):
             return None
         words = list[str]()
         for word in given:
-            if isinstance(word, str) and word in ("all", "default"):
-                words += OF_ANALYSIS.get(analysis, GROUPS) if word == "all" else ALL
+            if isinstance(word, str) and word in ("all", DEFAULT):
+                words += OF_ANALYSIS.get(analysis, GROUPS) if word == "all" else (DEFAULT,)
             elif problem := self._output_problem(word):
                 read.note(f"{where}: {problem}")
             else:
                 words.append(str(word))
-        order = (*GROUPS, *sorted(set(words) - set(GROUPS)))
+        if words == [DEFAULT]:
+            return None
+        order = (DEFAULT, *GROUPS, *sorted({*words} - {DEFAULT, *GROUPS}))
         return tuple(word for word in order if word in words)
 
     def _output_problem(self, given: Any) -> str | None:
@@ -256,7 +259,7 @@ class SceneRequests(MovingBodies, Connections):
             words = [f"{group}({n})" for group in ("reaction", "power", "work") for n in acting]
             words += [f"{quantity}({n})" for quantity in QUANTITIES for n in self.effects]
             words += [f"point({n})" for n in points]
-            return f"no output {shown(given)}; {nearest(word, ('all', 'default', *GROUPS, *words))}"
+            return f"no output {shown(given)}; {nearest(word, ('all', DEFAULT, *GROUPS, *words))}"
         group, name = match.groups()
         if group == "point" and name not in points:
             hint = nearest(name, points) if points else "declare it with model.track(...)."

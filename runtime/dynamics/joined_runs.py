@@ -159,6 +159,11 @@ class JoinedMotion:
         """The end that was asked for, s."""
         return max(motion.t_end for motion in self._motions)
 
+    @property
+    def behind(self) -> float:
+        """That of the first part."""
+        return self._motions[0].behind
+
     @cached_property
     def _bounds(self) -> list[float]:
         """Up to where the parts last, s: up to a change, but for one at an end of the whole."""

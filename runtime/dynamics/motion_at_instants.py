@@ -88,6 +88,11 @@ class SimulatedMotion:
         """The end that was asked for, s."""
         return float(self.ready.t_end)
 
+    @property
+    def behind(self) -> float:
+        """The first instant of a run that begins on a kink, s, else -inf."""
+        return self.ready.begin.t if self.ready.begin.t > self.ready.given_t else -np.inf
+
     def scene(self, t: float) -> str:
         """The scene whose joints act at an instant of the span, s."""
         return self.ready.mechanism.description.scene

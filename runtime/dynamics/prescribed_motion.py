@@ -98,6 +98,7 @@ def kinematics(
     )  # fmt: skip
     result._mechanism = mechanism
     result._motion = DrivenMotionAtInstants(mechanism, p, begin, preferred, times)
+    result._moved = samples.t if behind > begin.t else None
     name_left_tables(result, equations)
     check_result(result, equations, magnitudes(equations, begin.t, begin.q), Options(rtol=0.0))
     first = int((samples.t == behind).sum())

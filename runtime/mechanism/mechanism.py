@@ -1,8 +1,8 @@
 """The data of a mechanism in one scene, which all analyses take: tables, kernels, origin.
 
-Exact derivatives, reduced equations and the picture are generated into files of their own next to
-the scene's, its companions. One belongs to one text of that file, whose SHA-256 it names: with any
-other the slots of ``p`` might differ, and it is built again.
+Exact derivatives, reduced equations, the picture and all outputs are generated into files of their
+own next to the scene's, its companions. One belongs to one text of that file, whose SHA-256 it
+names: with any other the slots of ``p`` might differ, and it is built again.
 
 When joints come or go, the run goes on in another scene, whose module is found beside this scene's
 or built.
@@ -155,6 +155,12 @@ class Mechanism:
     def reduced(self) -> Reduced:
         """The equations in reduced coordinates; their file is built where it is missing."""
         return Reduced(self.companion("reduced"), self.description)
+
+    @cached_property
+    def with_all_outputs(self) -> "Mechanism":
+        """The same with every output that follows from states; its file is built where missing."""
+        module = self.companion("outputs")
+        return Mechanism(describe(module), gather(module), self.path)
 
     def has_companion(self, kind: Kind) -> bool:
         """Whether a companion of the generated module is built."""

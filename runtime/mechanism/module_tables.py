@@ -62,7 +62,7 @@ class Description:
     has_masses: bool
     analysis: str = "dynamics"
     unused: tuple[str, ...] = ()  # parameters on which nothing depends that takes part
-    outputs: tuple[str, ...] | None = None  # named in addition to the motion; None: all
+    outputs: tuple[str, ...] | None = None  # named in addition to the motion; None: "default"
     # constraints whose multipliers are answered; None: all
     recovered: tuple[int, ...] | None = None
     kernels: frozenset[str] = frozenset()  # what the module defines, its kernels among it
@@ -121,11 +121,14 @@ class Description:
     @cached_property
     def asked(self) -> tuple[str, ...]:
         """The outputs that the scene names, in addition to the motion."""
-        return ("reactions", "energy", "powers") if self.outputs is None else self.outputs
+        named = ("default",) if self.outputs is None else self.outputs
+        default = ("reactions", "energy", "powers") if "default" in named else ()
+        return tuple(dict.fromkeys((*default, *(word for word in named if word != "default"))))
 
     def suggest_output(self, output: str) -> str:
         """Sentence on an output that the scene does not ask for, and how to have it."""
-        outputs = ", ".join(map(repr, (*self.asked, output)))
+        named = ("default",) if self.outputs is None else self.outputs
+        outputs = ", ".join(map(repr, [*named, output]))
         return (
             f"{self.title} does not compute {output}, which its outputs do not name; declare the "
             f"scene with outputs=[{outputs}], or load scene.with_(outputs=[{outputs}])."

@@ -18,11 +18,12 @@ from codegen.files.generated_modules import (
 if TYPE_CHECKING:
     from codegen import Model, Scene
 
-Kind = Literal["tangents", "reduced", "picture"]
+Kind = Literal["tangents", "reduced", "picture", "outputs"]
 
 _BELONGS = re.compile(r'^MODULE_SHA256 = "([0-9a-f]{64})"$', re.MULTILINE)
 CONTENTS: dict[Kind, str] = {
     "tangents": "derivatives", "reduced": "reduced equations", "picture": "picture",
+    "outputs": "outputs that it does not name",
 }  # fmt: skip
 
 
@@ -75,7 +76,8 @@ class Origin(NamedTuple):
 
     def command(self, kind: Kind) -> str:
         """How the user has a companion built anew."""
-        if not isinstance(self.model, Path) or not isinstance(self.scene, str):
+        commanded = kind in ("tangents", "reduced")
+        if not (commanded and isinstance(self.model, Path) and isinstance(self.scene, str)):
             return f"delete the file, and ask for the {CONTENTS[kind]} again."
         place = self.path.parent
         return f"linkwright build {self.model} --scene {self.scene} --out {place} --{kind}"

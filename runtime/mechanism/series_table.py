@@ -23,12 +23,19 @@ QUANTITIES = (
 )  # fmt: skip
 """Quantities of effects that a scene may name as outputs, ``force(strut)``."""
 ENERGIES = ("kinetic", "potential", "total")
+_EXERTED = ("force", "torque", "potential", "power", "work")  # of masses or forces
 _BY_UNIT = {"N": "force", "N m": "torque"}
 _NAMED = {
     **dict.fromkeys("qva", "coordinate"), "y": "state", "point": "tracked point",
     "energy": "energy", "mode": "condition", "share": "condition",
 }  # fmt: skip
 """Word of a call → what it names, where that is no element."""
+
+
+class UnnamedOutputError(UnknownNameError):
+    """An output that a scene does not name, and that follows from its states."""
+
+
 Call = tuple[str, str, str]
 """A method of `Result`, and its arguments: an element, coordinate or condition, and a component."""
 
@@ -97,7 +104,16 @@ class SeriesTable:
             return row
         if word in (*QUANTITIES, "power", "work") or name in ENERGIES:
             raise self._refusal(word, of, "")
-        raise UnknownNameError(f"{self.title}: {self.unknown(name)}")
+        text = f"{self.title}: {self.unknown(name)}"
+        owner = name.partition(".")[0]
+        raise (UnnamedOutputError if owner in self._quiet else UnknownNameError)(text)
+
+    @property
+    def _quiet(self) -> set[str]:
+        """What may have series that the scene does not name; a kinematic one leaves effects out."""
+        about, all_idle = self.description, self.description.analysis == "kinematics"
+        idle = (row.name for row in about.left_out if all_idle or row.kind == TRACKED)
+        return {*about.effects.names, *idle, *(row.element for row in about.constraints)}
 
     def call(self, word: str, name: str, component: str = "") -> Series:
         """The series that a method of `Result` gives; InputError where the scene has none of it."""
@@ -138,11 +154,15 @@ class SeriesTable:
         calls = [call for call in self._by_call if call[:2] == (word, name)]
         if name in able.get(output, ()) and not (calls and component not in ("", "whole")):
             written = output if word == "energy" else f"{output}({name})"
-            if word == "energy" and not about.has_masses:
-                return InputError(about.need_masses(word))
-            asked = {output, f"{output}s", written} & {*about.asked}
-            if not asked or word == "work" or (word == "power" and component != "nonconservative"):
-                return InputError(about.suggest_output(written))
+            exerted = word in _EXERTED and about.analysis == "kinematics"
+            if exerted or (word == "energy" and not about.has_masses):
+                return InputError(about.need_masses(written))
+            whole = word == "power" and component != "nonconservative"  # none by default
+            named = about.outputs or () if whole else about.asked
+            asked = {output, f"{output}s", written} & {*named}
+            if not asked or word == "work":
+                refusal = InputError if word == "work" else UnnamedOutputError
+                return refusal(about.suggest_output(written))
         kind = f"{component} power" if component == "nonconservative" else word
         kind = _NAMED.get(word, f"{kind} of")
         what = f"There is no {kind} {name!r}"
@@ -158,7 +178,7 @@ class SeriesTable:
             texts = (f"{of}({', '.join(map(repr, filter(None, rest)))})" for of, *rest in calls)
             return InputError(f"{self.title}: {what}; ask for {', '.join(texts)}.")
         if word in (*QUANTITIES, "power", "work") and name in about.left_out.names:
-            return InputError(
+            return (UnnamedOutputError if name in self._quiet else InputError)(
                 f"{self.title}: '{name}' does not act in this scene; load "
                 f"scene.with_({name!r}, outputs=['default', '{output}({name})'])."
             )

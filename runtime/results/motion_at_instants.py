@@ -44,6 +44,11 @@ class Motion(Protocol):
         """The end that was asked for, s, which a run may not have reached."""
         return self.span[1]
 
+    @property
+    def behind(self) -> float:
+        """Where a motion that begins on a kink is sampled first, s, just behind that; else -inf."""
+        return -np.inf
+
     def scene(self, t: float) -> str:
         """The scene whose joints act at an instant of the span, s."""
 
@@ -125,7 +130,7 @@ def _sampled(result: "Result", motion: Motion, times: FloatArray, moved: FloatAr
     unique, place = np.unique(np.clip(moved, *_span(result, motion)), return_inverse=True)
     samples, works = _taken(result, motion, unique)
     found = copy(result)
-    found.samples = samples.at(place)._replace(t=times)
+    found.samples, found._moved = samples.at(place)._replace(t=times), unique[place]
     found._chosen = True
     found.works = {name: work[place] for name, work in works.items()}
     return found

@@ -21,6 +21,7 @@ from runtime.core.outcomes import Outcome
 from runtime.mechanism.module_tables import Description
 from runtime.results.assembled_state import State
 from runtime.results.motion_at_instants import Motion, at, state
+from runtime.results.result_display import html_of_result, text_of
 from runtime.results.run_records import (
     Ending,
     Event,
@@ -29,7 +30,7 @@ from runtime.results.run_records import (
     SingularPosition,
 )
 from runtime.results.samples import FloatArray, Partition, Samples, plain
-from runtime.results.series_lookup import TimeSeries, html_of_result, text_of
+from runtime.results.series_lookup import TimeSeries
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -113,6 +114,7 @@ class Result(TimeSeries):
     # conditions on outputs that may end a run
     _until: tuple[tuple[str, str, float, float], ...] = ()
     _chosen: bool = False  # whether the samples are at instants that `at` was asked for
+    _moved: FloatArray | None = None  # where samples of `at` are taken, s: on a side of an event
     _held: str = ""  # sentences on frictions that joints and drivers hold at rest
     _motion: Motion | None = None  # behind the samples; None: of an analysis without one
     _mechanism: "Mechanism | None" = None  # that moves; None: it is not known
@@ -121,8 +123,9 @@ class Result(TimeSeries):
         self.parameters = dict(zip(self.description.parameters.names, p.tolist(), strict=False))
 
     def __getstate__(self) -> dict[str, Any]:
-        """Without the labelled arrays, which follow from the others."""
-        return {name: value for name, value in vars(self).items() if name != "data"}
+        """Without the arrays that follow from the others."""
+        found = ("data", "_afterwards")
+        return {name: value for name, value in vars(self).items() if name not in found}
 
     @property
     def failed(self) -> bool:
@@ -133,6 +136,13 @@ class Result(TimeSeries):
     def t(self) -> FloatArray:
         """Instants in s, shape (k,)."""
         return self.samples.t
+
+    @property
+    def instants_of_states(self) -> FloatArray:
+        """Where samples are taken, s, (k,): `t`, but for sides of events and kinks."""
+        motion = self._motion
+        times = self.t if self._moved is None else self._moved
+        return times if motion is None else np.maximum(times, motion.behind)
 
     @cached_property
     def data(self) -> "xr.Dataset":
@@ -153,14 +163,9 @@ class Result(TimeSeries):
         Parameters
         ----------
         names
-            As in `series`; without any, the coordinates and states.
+            As in `series`; without any, the coordinates and states. A column names its unit.
         count
-            How many instants, from the first sample to the last.
-
-        Returns
-        -------
-        pandas.DataFrame
-            A row an instant, labelled by it in s; the column of a series names its unit.
+            How many instants, in s, from the first sample to the last.
         """
         from runtime.results.export import short_table
 

@@ -1,17 +1,18 @@
-"""Series of a result by name, and what there is of them: in a terminal, and in a notebook."""
+"""Series of a result by name."""
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from codegen.object_display import counted, html_of, html_table, listed, without_rounding
 from codegen.readers.calls import checked_class
 from codegen.readers.quantities import converted, converts
 from codegen.readers.values import shown
 from runtime.mechanism.module_tables import Description
-from runtime.mechanism.series_table import Series
+from runtime.mechanism.series_table import Series, SeriesTable, UnnamedOutputError
 from runtime.results.samples import FloatArray, Samples
 
 if TYPE_CHECKING:
@@ -22,7 +23,9 @@ if TYPE_CHECKING:
 class TimeSeries:
     """Samples of a motion, with the tables that name them; see `Result`.
 
-    A name that the scene does not have is refused by an `InputError` with the nearest ones.
+    A name that the scene does not have is refused by an `InputError` with the nearest ones. What
+    the scene's outputs do not name is computed from the states when it is first asked for, with the
+    modes, samples and joints of each instant; works alone are not.
 
     Values are in SI units, or in the `unit` that is asked for, such as "mm", "deg", "rpm" or "kN";
     one that does not fit is refused by an `InputError`.
@@ -120,7 +123,7 @@ class TimeSeries:
         Raises
         ------
         InputError
-            If there is no such point or component, or the scene leaves it out.
+            If there is no such point or component.
         """
         if component:
             return self._called("point", name, component, unit)
@@ -146,7 +149,7 @@ class TimeSeries:
         Raises
         ------
         InputError
-            If there is no such joint or component, or the scene was declared without it.
+            If there is no such joint or component.
         """
         return self._called("reaction", joint, component, unit)
 
@@ -201,7 +204,7 @@ class TimeSeries:
         Raises
         ------
         InputError
-            If there is no such part, bodies have no mass, or the scene was declared without it.
+            If there is no such part, or bodies have no mass.
         """
         return self._called("energy", part, unit=unit)
 
@@ -231,7 +234,7 @@ class TimeSeries:
         Raises
         ------
         InputError
-            If there is no such effect or component, or the scene was declared without it.
+            If there is no such effect or component.
         """
         return self._called("force", effect, component, unit)
 
@@ -292,9 +295,8 @@ class TimeSeries:
         source
             Name of the effect or driver.
         part
-            "whole": of all that it exerts; of an effect with a potential it has to be an output,
-            ``power(NAME)`` or ``powers``. "nonconservative": less the forces of its potential, such
-            as the damper of a spring, which changes the energy of the machine.
+            "whole": of all that it exerts. "nonconservative": less the forces of its potential,
+            such as the damper of a spring, which changes the energy of the machine.
 
         Returns
         -------
@@ -304,7 +306,7 @@ class TimeSeries:
         Raises
         ------
         InputError
-            If there is no such effect or driver, or the scene was declared without its power.
+            If there is no such effect or driver.
         """
         return self._called("power", source, part, unit)
 
@@ -347,8 +349,7 @@ class TimeSeries:
         values : (k,) float64
         unit : str
         """
-        row = self.description.series.find(name)
-        return self._in_unit(row, unit), unit or row.unit
+        return self._found(lambda table: table.find(name), unit)
 
     def column(self, row: Series) -> npt.NDArray[Any]:
         """The values of a series of `Description.series`, (k,)."""
@@ -360,59 +361,55 @@ class TimeSeries:
                     f"for power({row.element})."
                 )
             return self.works[row.element]
-        array: npt.NDArray[Any] = getattr(self.samples, row.array)
-        return array.sum(axis=1) if row.column < 0 else array[:, row.column]
+        return column_of(self.samples, row)
 
     def _called(
         self, word: str, name: str, component: str = "", unit: str = ""
     ) -> npt.NDArray[Any]:
-        return self._in_unit(self.description.series.call(word, name, component), unit)
+        return self._found(lambda table: table.call(word, name, component), unit)[0]
 
-    def _in_unit(self, row: Series, unit: str) -> npt.NDArray[Any]:
-        """The values of a series in a unit, in its own if that is empty."""
-        if unit and not converts(row.unit, unit):
+    @cached_property
+    def _afterwards(self) -> "list[tuple[slice, Description, Samples]]":
+        """All outputs of the samples, in parts; see `outputs_afterwards`."""
+        from runtime.dynamics.outputs_afterwards import outputs_afterwards  # which stands above
+
+        return outputs_afterwards(cast("Result", self))
+
+    def _found(
+        self, find: Callable[[SeriesTable], Series], unit: str
+    ) -> tuple[npt.NDArray[Any], str]:
+        """The values of a series, (k,), and the unit that they are in, its own if `unit` is empty.
+
+        What does not act in a part of the result exerts nothing there.
+        """
+        row: Series | None = None
+        try:
+            row = find(self.description.series)
+            values = self.column(row)
+        except UnnamedOutputError as error:
+            refusal: InputError = error
+            values = np.zeros(len(self.samples.t))
+            for rows, description, samples in self._afterwards:
+                try:
+                    row = find(description.series)
+                except InputError as other:
+                    refusal = other
+                else:
+                    values[rows] = column_of(samples, row)
+            if row is None:
+                raise refusal from None
+        if not unit:
+            return values, row.unit
+        if not converts(row.unit, unit):
             raise InputError(
                 f"{self.description.title}: {row.name} is in {row.unit or 'no unit'}, which does "
                 f"not convert to {shown(unit)}; ask for a unit of its dimension (of rad/s, rpm or "
                 "deg/s, and not Hz)."
             )
-        values = self.column(row)
-        return np.asarray(converted(values, row.unit, unit)) if unit else values
+        return np.asarray(converted(values, row.unit, unit)), unit
 
 
-def text_of(result: "Result") -> str:
-    """The headline, and what there is to look up."""
-    rows, states = result.description.positions, result.description.states
-    lines = [result.headline, f"  coordinates  {listed(f'{r.name} ({r.unit})' for r in rows)}"]
-    if states:
-        units = (f"{row.name} ({row.unit or '1'})" for row in states)
-        lines.append(f"  states       {listed(units)}")
-    effects = result.description.effects.names
-    parts = dict.fromkeys(row.element for row in result.description.reactions)
-    if joints := [name for name in parts if name not in effects]:
-        lines.append(f"  reactions    {listed(joints)} (N, N m)")
-    if acting := [name for name in effects if name not in result.description.tracked]:
-        lines.append(f"  effects      {listed(acting)}")
-    if points := result.description.tracked:
-        lines.append(f"  points       {listed(points)} (m)")
-    if result.events:
-        lines.append(f"  events       {len(result.events)}, in .events")
-    if changes := result.reconnections:
-        lines.append(f"  joints       {counted(len(changes), 'change')}, in .reconnections")
-    return "\n".join(lines)
-
-
-def html_of_result(result: "Result") -> str:
-    """The same with a table of the coordinates, for notebooks."""
-    if not len(result.t):
-        return html_of(repr(result))
-    rows = [(row.name, row.unit) for row in result.description.positions]
-    rows += [(row.name, row.unit or "1") for row in result.description.states]
-    x = np.array([result.series(name)[0] for name, _ in rows]).T
-    numbers = zip(*map(without_rounding, (x[0], x[-1], x.min(axis=0), x.max(axis=0))), strict=True)
-    table = html_table(
-        ("coordinate", "unit", "first", "last", "least", "greatest"),
-        ((*row, *of) for row, of in zip(rows, numbers, strict=True)),
-    )
-    text = [line for line in repr(result).splitlines() if not line.startswith("  coordinates ")]
-    return html_of("\n".join(text), table)
+def column_of(samples: Samples, row: Series) -> npt.NDArray[Any]:
+    """The values of a series that is no work, (k,)."""
+    array: npt.NDArray[Any] = getattr(samples, row.array)
+    return array.sum(axis=1) if row.column < 0 else array[:, row.column]

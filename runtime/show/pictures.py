@@ -116,7 +116,7 @@ def moving_picture(result: "Result", part: "Result | None" = None) -> Picture:
 
 def _joined(result: "Result", mechanism: Mechanism) -> Picture:
     """The picture of a result, of all its scenes one after the other."""
-    t, spans = result.t, _spans(result, mechanism)
+    t, spans = result.t, spans_of(result, mechanism)
     parts = [_of_span(result, known, rows) for known, rows in spans]
     if len(parts) == 1:
         return parts[0]
@@ -146,9 +146,9 @@ def _joined(result: "Result", mechanism: Mechanism) -> Picture:
     return replace(parts[0], poses=poses, t=t, symbols=tuple(symbols))
 
 
-def _spans(result: "Result", mechanism: Mechanism) -> list[tuple[Mechanism, slice]]:
+def spans_of(result: "Result", mechanism: Mechanism) -> list[tuple[Mechanism, slice]]:
     """The scenes of the result one after the other, and the rows of their instants."""
-    motion, t = result._motion, result.t
+    motion, t = result._motion, result.instants_of_states
     if motion is None or not mechanism.description.watched:
         return [(mechanism, slice(0, len(t)))]
     scenes = [motion.scene(float(instant)) for instant in t]

@@ -14,6 +14,7 @@ from codegen.picture_at_start import declared_picture
 from codegen.reading.model_file import read_model
 from runtime import load
 from runtime.machine_facade import Machine
+from runtime.show.pictures import draw_result
 
 
 @pytest.fixture(scope="module")
@@ -104,8 +105,8 @@ def test_a_body_that_exerts_a_force_has_the_opposite_arrow() -> None:
     assert {"push on first: 5 N", "push on second: 5 N"} <= texts(figure(picture, forces=True))
 
 
-def test_figures_belong_to_nobody_else(result: Any) -> None:
-    result.draw(0.1)
+def test_a_figure_for_a_file_is_not_in_pyplot(result: Any) -> None:
+    draw_result(result, 0.1)
     assert not plt.get_fignums()
 
 
