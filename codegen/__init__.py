@@ -45,6 +45,8 @@ if TYPE_CHECKING:
     from codegen.generated_files.generated_file import BuildReport
     from codegen.model import Model
     from codegen.picture_at_start import declared_picture as declared_picture
+    from codegen.symbolic_equations import SceneEquations
+    from codegen.symbolic_equations import scene_equations as scene_equations
 
 __version__ = "0.1.0"
 
@@ -63,22 +65,16 @@ _ROOMS = {
     "codegen.driver": ("build",),
     "codegen.picture_at_start": ("declared_picture",),  # for `Model.draw`
     "codegen.elements.registry": ("element",),
+    "codegen.symbolic_equations": ("SceneEquations", "scene_equations"),
 }
 _HOMES = {name: room for room, names in _ROOMS.items() for name in names}
 
 __all__ = ["AnalysisError", "AssemblyError", "Body", "BuildReport", "ConjugateReaction"]
 __all__ += ["Constraint", "Coordinate", "Curve", "Effect", "GeneratedFileError", "I", "InputError"]
 __all__ += ["J", "JointReaction", "LinkwrightError", "Model", "ModelError", "ModelFileError"]
-__all__ += [
-    "NoAttributeError",
-    "Outline",
-    "ParameterError",
-    "Point",
-    "RedundancyError",
-    "Scene",
-    "SceneError",
-]
-__all__ += ["SPEED", "Measure", "Statement", "SupersededError", "TableWarning", "UnknownNameError"]
+__all__ += ["SPEED", "NoAttributeError", "Outline", "ParameterError", "Point", "RedundancyError"]
+__all__ += ["Measure", "Scene", "SceneEquations", "SceneError", "Statement", "SupersededError"]
+__all__ += ["TableWarning", "UnknownNameError"]
 __all__ += ["__version__", "alpha", "bar", "build", "coordinate", "disc", "element", "given"]
 __all__ += ["polygon", "read_outline", "rectangle", "t"]
 

@@ -6,8 +6,7 @@ hole is joined by the shortest way to what is joined already, so that no bridge 
 
 import numpy as np
 
-from codegen.declare.area_properties import Defaults, numbers_of
-from codegen.declare.outlines import Corner, Outline
+from codegen.declare.outlines import Corner, Defaults, Outline, numbers_of
 from codegen.drawing.plane_geometry import area
 
 

@@ -1,40 +1,47 @@
-"""Outlines of bodies: closed lines of straight edges and arcs, and the holes in them.
+"""Outlines of bodies: closed lines of straight edges and arcs, with holes.
 
-An edge from p to q has a bulge, tan(θ/4) of the angle θ through which it turns to the left: 0 of a
-straight line, 1 of a half circle that lies to the right of the way from p to q.
+An edge has a bulge, tan(θ/4) of the angle θ through which it turns to the left: 0 of a straight
+line, 1 of a half circle that lies to the right of the way along its chord.
 """
 
-from collections.abc import Iterator
+from collections.abc import Mapping
+from importlib import import_module
 from math import atan, ceil, cos, pi, sin
 from typing import Any, Self
 
+import numpy as np
 import sympy
 
 from codegen.declare.body import expressions_in
-from codegen.errors import ModelError
+from codegen.drawing.plane_geometry import Points
+from codegen.errors import InputError, ModelError
 from codegen.readers.calls import declaring
+from codegen.readers.expressions import plain_expression
 from codegen.readers.quantities import in_unit
-from codegen.readers.values import KindError, members, shown
+from codegen.readers.values import KindError, members, plain_float, shown
 
 CORNERS = 48  # layout: of the polygon that is drawn for a disc
+FEWEST = 3  # formula: corners of a polygon
 Corner = tuple[Any, Any]  # (x', y') in m, numbers and expressions of parameters
+Defaults = Mapping[sympy.Symbol, float]
+
+
+def library(name: str) -> Any:
+    """A module of the extra `shapes`; InputError where it is not installed."""
+    try:
+        return import_module(name)
+    except ImportError as error:
+        raise InputError(
+            f"Outlines need the library {name.partition('.')[0]}, which cannot be imported "
+            f"({error}). Run pip install 'linkwright[shapes]', in the checkout pip install "
+            "'.[shapes]'."
+        ) from error
 
 
 class Outline(tuple[Corner, ...]):
     """The outline of a body, with holes; as a tuple the corners of a polygon that is drawn for it.
 
-    `polygon`, `bar`, `disc`, `rectangle` and `read_outline` make them, for ``outline=`` and
-    ``draw=`` of `Model.body`.
-
-    Attributes
-    ----------
-    vertices
-        Where edges meet, (x', y') in m.
-    bulges
-        One for the edge from each vertex to the next: 0 of a straight one, tan(θ/4) of an arc of
-        the angle θ, positive to the left.
-    holes
-        The outlines of the holes.
+    `vertices` are where edges meet, (x', y') in m, and `bulges` those of the edges from there on.
     """
 
     vertices: tuple[Corner, ...]
@@ -51,34 +58,33 @@ class Outline(tuple[Corner, ...]):
         self.vertices, self.bulges, self.holes = vertices, bulges, holes
         return self
 
-    @property
-    def edges(self) -> Iterator[tuple[Corner, Corner, float]]:
-        """(p, q, bulge) of each edge."""
-        return zip(self.vertices, (*self.vertices[1:], self.vertices[0]), self.bulges, strict=True)
-
     def with_holes(self, *holes: Any) -> "Outline":
         """The same outline with more holes: outlines, or lists of corners."""
         made = tuple(one if isinstance(one, Outline) else polygon(one) for one in holes)
         return Outline(self.vertices, self.bulges, holes=(*self.holes, *made), drawn=tuple(self))
 
 
-def flattened(
-    vertices: tuple[Corner, ...], bulges: tuple[float, ...], corners: int = CORNERS
-) -> tuple[Corner, ...]:
-    """The vertices, and points between them on arcs, of which a whole turn has so many."""
+def flattened(vertices: tuple[Corner, ...], bulges: tuple[float, ...]) -> tuple[Corner, ...]:
+    """The vertices, and points between them on arcs."""
     points: list[Corner] = []
-    for k, (p, bulge) in enumerate(zip(vertices, bulges, strict=True)):
-        points.append(p)
-        (x, y), (end_x, end_y) = p, vertices[(k + 1) % len(vertices)]
-        turn = 4.0 * atan(bulge)
-        parts = ceil(abs(turn) / (2.0 * pi) * corners - 1e-9)
-        for part in range(1, parts):
-            half, gone = turn / 2.0, turn * part / parts / 2.0
-            size = sin(gone) / sin(half)  # of the chord so far, in that of the arc
-            along, left = size * cos(half - gone), -size * sin(half - gone)
-            dx, dy = end_x - x, end_y - y
-            points.append((x + along * dx - left * dy, y + along * dy + left * dx))
+    for (x, y), end, bulge in zip(vertices, vertices[1:] + vertices[:1], bulges, strict=True):
+        dx, dy, half = end[0] - x, end[1] - y, -2.0 * atan(bulge)
+        parts = ceil(abs(half) / pi * CORNERS - 1e-9) or 1
+        points.append((x, y))
+        for k in range(1, parts):
+            size, turn = sin(half * k / parts) / sin(half), half * (1 - k / parts)
+            u, v = size * cos(turn), size * sin(turn)  # along the chord, and to its left
+            points.append((x + u * dx - v * dy, y + u * dy + v * dx))
     return tuple(points)
+
+
+def numbers_of(corners: tuple[Corner, ...], defaults: Defaults) -> Points:
+    """Corners for the values of parameters, x + iy in m."""
+    read = [
+        e if isinstance(e, float) else plain_float(plain_expression(e).subs(defaults))
+        for corner in corners for e in corner
+    ]  # fmt: skip
+    return np.array(np.reshape(read, (-1, 2)) @ [1, 1j])
 
 
 @declaring("polygon")
@@ -88,15 +94,17 @@ def polygon(corners: Any) -> Outline:
     Parameters
     ----------
     corners
-        ``[(x', y'), ...]``, m, three or more, in either direction: numbers, parameters, or
-        expressions of them.
+        ``[(x', y'), ...]``, m, three or more, in either direction: numbers, quantities, parameters,
+        or expressions of them.
     """
     try:
         pairs = [members(corner, 2) for corner in members(corners)]
     except KindError:
+        pairs = []
+    if len(pairs) < FEWEST:
         raise ModelError(
-            f"polygon: {shown(corners)} is no list of corners; write [(0, 0), (1, 0), (0, 1)]."
-        ) from None
+            f"{shown(corners)} is no list of three corners or more; write [(0, 0), (1, 0), (0, 1)]."
+        )
     read = (expressions_in("m", "polygon", *pair) for pair in pairs)
     return Outline(tuple((x, y) for x, y in read))
 
@@ -108,8 +116,7 @@ def bar(length: Any, width: Any, start: Corner = (0, 0), angle: Any = 0) -> Outl
     Parameters
     ----------
     length, width
-        From the centre of one round end to that of the other, and across, m: numbers, parameters,
-        or expressions of them.
+        From the centre of one round end to that of the other, and across, m, as of `polygon`.
     start
         (x', y') of the centre of the first end, m.
     angle
@@ -129,10 +136,8 @@ def disc(radius: Any, center: Corner = (0, 0)) -> Outline:
 
     Parameters
     ----------
-    radius
-        In m: a number, a quantity, a parameter, or an expression of them.
-    center
-        (x', y') in the body's axes, m.
+    radius, center
+        In m, as of `polygon`.
     """
     x, y, radius = (in_unit(length, "m") for length in (*center, radius))
     angles = (2.0 * pi * k / CORNERS for k in range(CORNERS))
@@ -146,10 +151,8 @@ def rectangle(width: Any, height: Any, center: Corner = (0, 0)) -> Outline:
 
     Parameters
     ----------
-    width, height
-        Along x' and y', m: numbers, parameters, or expressions of them.
-    center
-        (x', y') in the body's axes, m.
+    width, height, center
+        Along x' and y', m, as of `polygon`.
     """
     x, y, a, b = (in_unit(length, "m") for length in (*center, width, height))
     a, b = a / 2, b / 2

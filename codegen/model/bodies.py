@@ -11,11 +11,11 @@ from typing import Any, Literal
 import numpy as np
 import sympy
 
-from codegen.declare.area_properties import area_properties, outline_problems
+from codegen.declare.area_properties import area_properties, outline_problem
 from codegen.declare.body import Body, Particle, Point
 from codegen.declare.drawn_outlines import polygon_with_holes
 from codegen.declare.outline_files import read_outline
-from codegen.declare.outlines import Corner, Outline, polygon
+from codegen.declare.outlines import FEWEST, Corner, Outline, polygon
 from codegen.declare.symbols import Parameter
 from codegen.declare.value_reader import Reader
 from codegen.errors import ModelError
@@ -26,7 +26,7 @@ from codegen.readers.values import KindError, members, shown
 Form = Literal["body", "link", "lumped"]
 Polygon = tuple[Corner, ...]
 FORMS = ("body", "link", "lumped")
-_PAIR, _LEAST = 2, 3  # formula: coordinates of a corner; corners of a polygon
+_PAIR = 2  # formula: coordinates of a corner
 
 
 class MovingBodies(Constraints):
@@ -173,7 +173,7 @@ class MovingBodies(Constraints):
             outlines = [rows] if is_one else [[members(xy, _PAIR) for xy in row] for row in rows]
         except KindError:
             outlines = [[]]
-        if not outlines or min(map(len, outlines)) < _LEAST:
+        if not outlines or min(map(len, outlines)) < FEWEST:
             self._read.note(
                 f"{where} is {shown(given)}; give the corners of a polygon, three or more, as "
                 "[(0, 0), (1, 0), (0, 1)], or several such lists."
@@ -198,27 +198,18 @@ class MovingBodies(Constraints):
         return None if len(self.problems) > before else read
 
     def _plate(self, given: Any, where: str) -> Outline | None:
-        """An outline with its holes, whose values are read; None where it bounds no area."""
+        """An outline with its holes; None where it bounds no area."""
+        before = len(self.problems)
         try:
             drawn = read_outline(given) if isinstance(given, str | Path) else given
             whole = drawn if isinstance(drawn, Outline) else polygon(drawn)
         except ModelError as error:
             self._read.problems += [f"{where}: {problem}" for problem in error.problems]
             return None
-        loops = (whole, *whole.holes)
-        vertices = self._corners([one.vertices for one in loops], where)
-        polygons = self._corners(loops, where) if vertices else None
-        if vertices is None or polygons is None:
-            return None
-        outer, *holes = (
-            Outline(places, one.bulges, drawn=corners)
-            for one, places, corners in zip(loops, vertices, polygons, strict=True)
-        )
-        read = outer.with_holes(*holes)
-        problems = [*outline_problems(read, self.defaults)]
-        for problem in problems:
+        self._corners([one.vertices for one in (whole, *whole.holes)], where)
+        if len(self.problems) == before and (problem := outline_problem(whole, self.defaults)):
             self._read.note(f"{where}: {problem}")
-        return None if problems else read
+        return whole if len(self.problems) == before else None
 
     def _positive(self, value: Any, unit: str, where: str) -> sympy.Expr | None:
         """A mass or inertia, if given; a parameter that is one must be positive from now on."""

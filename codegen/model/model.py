@@ -27,6 +27,8 @@ from codegen.readers.values import one_line, shown
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from codegen import SceneEquations
+
 
 @named_attributes
 class Model(Values, Scenes, Forces, Contacts):
@@ -129,6 +131,29 @@ class Model(Values, Scenes, Forces, Contacts):
 
         picture = declared_picture(self, scene, parameters, assembled)
         return figure(picture, dimensions, forces, frames=frames, names=names)
+
+    @readers.reads(scene=readers.optional(readers.scene))
+    def equations(self, scene: "str | Scene | None" = None) -> "SceneEquations":
+        """M, Φ, Φ_q, ν, γ and Q of a scene as matrices of SymPy, with their names.
+
+        Parameters
+        ----------
+        scene
+            Name of a scene, or a `Scene`; by default the first.
+
+        Returns
+        -------
+        SceneEquations
+            Which a notebook shows; its matrices are attributes.
+
+        Raises
+        ------
+        ModelError, SceneError
+            With all problems of the declaration.
+        """
+        from codegen import scene_equations
+
+        return scene_equations(self, scene)
 
     def add(self, element: Declared) -> Declared:
         """Declare a user-defined element: a `Constraint`, an `Effect` or a kind of `Body`.

@@ -10,7 +10,7 @@ from codegen.declare.symbols import KINDS, Coordinate, Given, given, kinds
 from codegen.derive.constraint_terms import ConstraintTerms, constraint_terms
 from codegen.derive.effect_terms import FrictionTerms
 from codegen.derive.equations import Equations
-from codegen.reference.latex import FRAMED, Abbreviations, aligned, latex, lettered
+from codegen.latex import FRAMED, Abbreviations, aligned, latex, lettered
 
 NUMBERS = ("No", "One", "Two", "Three", "Four", "Five", "Six")
 

@@ -17,7 +17,7 @@ from codegen.declare.symbols import given
 from codegen.derive.constraint_terms import constraint_terms
 from codegen.elements.joints.weld import Weld
 from codegen.elements.registry import kinds_of_elements
-from codegen.reference.latex import (
+from codegen.latex import (
     MEANINGS,
     WIDTH,
     Abbreviations,
