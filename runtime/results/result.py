@@ -2,7 +2,6 @@
 
 import json
 import os
-from collections.abc import Sequence
 from dataclasses import KW_ONLY, InitVar, dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -14,7 +13,6 @@ import numpy.typing as npt
 from codegen import __version__
 from codegen.errors import InputError
 from codegen.object_display import counted
-from codegen.presentation import in_pyplot
 from codegen.readers import arguments as readers
 from codegen.readers.calls import checked_class, named_attributes
 from runtime.core.outcomes import Outcome
@@ -22,6 +20,7 @@ from runtime.mechanism.module_tables import Description
 from runtime.results.assembled_state import State
 from runtime.results.motion_at_instants import Motion, at, state
 from runtime.results.result_display import html_of_result, text_of
+from runtime.results.result_figures import ResultFigures
 from runtime.results.run_records import (
     Ending,
     Event,
@@ -30,21 +29,18 @@ from runtime.results.run_records import (
     SingularPosition,
 )
 from runtime.results.samples import FloatArray, Partition, Samples, plain
-from runtime.results.series_lookup import TimeSeries
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-    from matplotlib.figure import Figure
 
     from runtime.mechanism.mechanism import Mechanism
-    from runtime.show.animation.animation import Animation
 
 
 @named_attributes
 @checked_class
 @dataclass(eq=False, repr=False)
-class Result(TimeSeries):
+class Result(ResultFigures):
     """Motion of a machine at the instants `t`.
 
     Attributes
@@ -279,120 +275,6 @@ class Result(TimeSeries):
             )
         result: Result = found
         return result
-
-    @in_pyplot()
-    def plot(self, *names: str, unit: str | Sequence[str] = ()) -> "Figure":
-        """Draw series over time, those of one unit in one panel, as `at` has them.
-
-        Parameters
-        ----------
-        names
-            As in `series`; without any, the coordinates that are angles.
-        unit
-            A unit or several, ``("mm", "rpm")``: each series that fits one is drawn in it.
-
-        Returns
-        -------
-        Figure
-            Of Matplotlib's pyplot: ``plt.show()`` shows it in a script, ``plt.close(figure)`` drops
-            it, ``figure.savefig("run.png")`` saves it; a notebook shows it below the cell.
-
-        Raises
-        ------
-        InputError
-            If there is no such series, a unit fits none, or matplotlib is not installed.
-        """
-        from runtime.show.pictures import plot
-
-        return plot(self, names, unit)
-
-    @in_pyplot()
-    @readers.reads(
-        t=readers.optional(readers.number("a finite number, an instant in s")),
-        **dict.fromkeys(("dimensions", "forces", "frames", "names"), readers.flag),
-    )
-    def draw(
-        self, t: float | None = None, *, dimensions: bool = False, forces: bool = False,
-        frames: bool = False, names: bool = True,
-    ) -> "Figure":  # fmt: skip
-        """Draw the machine at an instant of the motion.
-
-        Parameters
-        ----------
-        t
-            Instant in s, as `at` takes it; unless given, the first sample.
-        dimensions, forces, frames, names
-            As for `Model.draw`; forces are the applied forces and the reactions of joints.
-
-        Returns
-        -------
-        Figure
-            Of Matplotlib; ``figure.savefig("machine.svg")`` saves it.
-
-        Raises
-        ------
-        InputError
-            If `t` is not within the result, or Matplotlib is not installed.
-        """
-        from runtime.show.pictures import draw_result
-
-        return draw_result(
-            self, t, dimensions=dimensions, forces=forces, frames=frames, names=names
-        )
-
-    @readers.reads(
-        file=readers.optional(readers.path),
-        frames_per_second=readers.optional(readers.count(1, 240)),
-        width=readers.optional(readers.count(200, 4000)),
-        speed=readers.optional(readers.number("a positive number", above=0.0)),
-        span=readers.optional(readers.several(
-            readers.number("a finite number"), "the first and last instant, such as (0.0, 1.5)"
-        )),
-        progress=readers.flag,
-    )  # fmt: skip
-    def animate(
-        self, file: str | os.PathLike[str] | None = None, *, frames_per_second: int | None = None,
-        width: int | None = None, speed: float | None = None,
-        span: tuple[float, float] | None = None, progress: bool = True,
-    ) -> "Animation | Path":  # fmt: skip
-        """Show the machine in motion, as a page with forces and curves, or as a movie.
-
-        Parameters
-        ----------
-        file
-            An .html file, into which the page is written as well. Or an .mp4 or .gif movie, or an
-            .svg of some positions over each other, which is written in place of a page.
-        frames_per_second, width, speed, span, progress
-            As for `runtime.show.movie.save_movie`, for movies alone; `span` for an .svg, too.
-
-        Returns
-        -------
-        Animation or Path
-            The page, which a notebook shows and `Animation.save` writes; or the path of the movie.
-            `runtime.animate` shows several runs beside each other.
-
-        Raises
-        ------
-        InputError
-            If there is no motion, the file cannot be written, or bokeh, Matplotlib or ffmpeg is
-            not installed.
-        """
-        from codegen.presentation import is_page
-        from runtime.show.movie import save_movie
-
-        if file is not None and Path(file).suffix and not is_page(Path(file)):
-            return save_movie(
-                self, Path(file), frames_per_second=frames_per_second, width=width, speed=speed,
-                span=span, progress=progress,
-            )  # fmt: skip
-        if any(value is not None for value in (frames_per_second, width, speed, span)):
-            raise InputError(
-                "animate: frames_per_second=, width=, speed= and span= are those of a movie; give "
-                "file= with the ending .mp4, .gif or .svg as well."
-            )
-        from runtime.show.animation.animation import animate
-
-        return animate([self], file=file)
 
     def facts(self) -> dict[str, Any]:
         """The run as JSON: model, scene, outcome, parameters, statistics, accuracy, joints."""

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from codegen.errors import InputError
 from runtime.mechanism.module_tables import Description
+from runtime.mechanism.series_table import Series
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -44,6 +45,11 @@ class Samples(NamedTuple):
     def at(self, rows: Any) -> "Samples":
         """Those of some rows, an index."""
         return Samples._make(array[rows] for array in self)
+
+    def column(self, row: Series) -> npt.NDArray[Any]:
+        """The values of a series that is no work, (k,)."""
+        array: npt.NDArray[Any] = getattr(self, row.array)
+        return array.sum(axis=1) if row.column < 0 else array[:, row.column]
 
     @staticmethod
     def joined(pieces: Sequence["Samples"]) -> "Samples":

@@ -18,14 +18,15 @@ from runtime.results.samples import FloatArray, Samples
 if TYPE_CHECKING:
     from runtime.results.result import Result
 
+Column = npt.NDArray[Any]
+
 
 @checked_class
 class TimeSeries:
     """Samples of a motion, with the tables that name them; see `Result`.
 
     A name that the scene does not have is refused by an `InputError` with the nearest ones. What
-    the scene's outputs do not name is computed from the states when it is first asked for, with the
-    modes, samples and joints of each instant; works alone are not.
+    the scene's outputs do not name, but for works, is computed from the states on demand.
 
     Values are in SI units, or in the `unit` that is asked for, such as "mm", "deg", "rpm" or "kN";
     one that does not fit is refused by an `InputError`.
@@ -351,7 +352,7 @@ class TimeSeries:
         """
         return self._found(lambda table: table.find(name), unit)
 
-    def column(self, row: Series) -> npt.NDArray[Any]:
+    def column(self, row: Series) -> Column:
         """The values of a series of `Description.series`, (k,)."""
         if row.array == "works":
             if row.element not in self.works:
@@ -361,41 +362,31 @@ class TimeSeries:
                     f"for power({row.element})."
                 )
             return self.works[row.element]
-        return column_of(self.samples, row)
+        return self.samples.column(row)
 
-    def _called(
-        self, word: str, name: str, component: str = "", unit: str = ""
-    ) -> npt.NDArray[Any]:
+    def _called(self, word: str, name: str, component: str = "", unit: str = "") -> Column:
         return self._found(lambda table: table.call(word, name, component), unit)[0]
 
     @cached_property
     def _afterwards(self) -> "list[tuple[slice, Description, Samples]]":
-        """All outputs of the samples, in parts; see `outputs_afterwards`."""
         from runtime.dynamics.outputs_afterwards import outputs_afterwards  # which stands above
 
         return outputs_afterwards(cast("Result", self))
 
-    def _found(
-        self, find: Callable[[SeriesTable], Series], unit: str
-    ) -> tuple[npt.NDArray[Any], str]:
-        """The values of a series, (k,), and the unit that they are in, its own if `unit` is empty.
-
-        What does not act in a part of the result exerts nothing there.
-        """
+    def _found(self, find: Callable[[SeriesTable], Series], unit: str) -> tuple[Column, str]:
+        """Values, (k,), and their unit; what does not act in a part exerts nothing there."""
         row: Series | None = None
         try:
             row = find(self.description.series)
             values = self.column(row)
         except UnnamedOutputError as error:
-            refusal: InputError = error
-            values = np.zeros(len(self.samples.t))
+            refusal, values = cast(InputError, error), np.zeros(len(self.samples.t))
             for rows, description, samples in self._afterwards:
                 try:
                     row = find(description.series)
+                    values[rows] = samples.column(row)
                 except InputError as other:
                     refusal = other
-                else:
-                    values[rows] = column_of(samples, row)
             if row is None:
                 raise refusal from None
         if not unit:
@@ -407,9 +398,3 @@ class TimeSeries:
                 "deg/s, and not Hz)."
             )
         return np.asarray(converted(values, row.unit, unit)), unit
-
-
-def column_of(samples: Samples, row: Series) -> npt.NDArray[Any]:
-    """The values of a series that is no work, (k,)."""
-    array: npt.NDArray[Any] = getattr(samples, row.array)
-    return array.sum(axis=1) if row.column < 0 else array[:, row.column]
