@@ -4,7 +4,7 @@ Each kind is written on request, and updated wherever it exists.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import cast
 
@@ -25,6 +25,7 @@ from codegen.lower.kernels.picture_kernels import lower_picture
 from codegen.lower.lowered_scene import Lowered, lower
 from codegen.lower.program import Program
 from codegen.model import Model
+from codegen.model.scene_requests import DEFAULT, OF_ANALYSIS
 from codegen.reduce.reduced_kernels import reduce
 
 Emit = Callable[[Lowered, Origin, str], tuple[Program, str]]
@@ -116,8 +117,9 @@ def _picture(lowered: Lowered, provenance: Origin, module: str) -> tuple[Program
 def _outputs(lowered: Lowered, provenance: Origin, module: str) -> tuple[Program, str]:
     """The scene's own module again, with all of its outputs."""
     scene = lowered.scene.equations.scene
-    model = cast(Model, scene.owner)
-    whole = lower(derive(model, model.with_all_outputs(scene)))
+    words = (DEFAULT, *(word for word in OF_ANALYSIS[scene.analysis] if word != "works"))
+    named = replace(scene.with_(outputs=words), name=scene.name)
+    whole = lower(derive(cast(Model, scene.owner), named))
     return whole.program, module_text(whole, provenance, module)
 
 

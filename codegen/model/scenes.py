@@ -17,7 +17,7 @@ from codegen.declare.value_reader import NamedValues, Names, Reader, Values
 from codegen.errors import ModelError
 from codegen.model.bodies import Form
 from codegen.model.connections import MOST
-from codegen.model.scene_requests import DEFAULT, NONE, OF_ANALYSIS, ONE, SceneRequests
+from codegen.model.scene_requests import NONE, ONE, SceneRequests
 from codegen.readers.values import KindError, name_problem, nearest, plain_number, shown
 
 UNCHANGED = ("parameters", "until", "frozen", "analysis")
@@ -90,13 +90,11 @@ class Scenes(SceneRequests):
         outputs
             Outputs in addition to the motion: ``"reactions"``, ``"energy"``, ``"powers"``, or those
             of one element, ``"reaction(A)"``, ``"power(gas)"``. Without it, and by ``"default"`` in
-            a list, these are the three groups without the powers of effects with a potential. A
-            result computes an output that is not named when it is asked for it, but for works. The
+            a list, these are the three groups without the powers of effects with a potential. The
             others are ``"force(strut)"``, and ``torque``, ``length``, ``angle``, ``rate``,
             ``deflection``, ``gap``, ``penetration`` and ``potential`` in the same way;
-            ``"point(tip)"``, tracked; ``"work(gas)"``, integrated along a simulation. ``"forces"``,
-            ``"points"``, ``"works"`` and so on are those of all elements, and ``"all"`` is
-            everything.
+            ``"point(tip)"``, tracked; ``"work(gas)"``, integrated along a simulation. ``"forces"``
+            and so on are those of all elements, and ``"all"`` is everything.
         """
         base = self.scenes.get(str(name))
         words = (effects, drivers, extends, without, couplers, fidelity, start, guess, parameters)
@@ -138,12 +136,6 @@ class Scenes(SceneRequests):
                 self._note(f"scene '{sibling.name}' follows from '{scene.name}'; rename it.")
             else:
                 self.scenes[sibling.name] = sibling
-
-    def with_all_outputs(self, scene: Scene) -> Scene:
-        """The scene under its own name, with every output that follows from its states."""
-        words = (DEFAULT, *(word for word in OF_ANALYSIS[scene.analysis] if word != "works"))
-        about = {"expression": scene.expression, "root": scene.root}
-        return self._compose(Reader(), scene.name, replace(scene.request, outputs=words), **about)
 
     def reconnected(self, scene: Scene, connected: tuple[str, ...]) -> Scene:
         """The scene in which a run goes on where other joints act of those that come and go."""
