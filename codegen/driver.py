@@ -10,6 +10,7 @@ accompany Lowered               → text of derivatives, of reduced equations
                                      (codegen.generated_files.companions), if asked for
 write     text                  → file, atomically        (codegen.generated_files.generated_file)
 compile   file                  → machine code, kept on the disk (codegen.machine_code)
+assemble  file                  → notes on the start of the scene (codegen.assembled_start)
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,12 +20,13 @@ from time import perf_counter
 from typing import Any, get_args
 
 import codegen
+from codegen.assembled_start import assembled_module
 from codegen.check.kinematics import Findings, examine
 from codegen.declare.returned_values import memoize_methods
 from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
 from codegen.emit.module import Unroll, module_text, operation_table
-from codegen.errors import LinkwrightError, ModelError
+from codegen.errors import InputError, LinkwrightError, ModelError
 from codegen.files.build_records import write_record
 from codegen.files.generated_modules import read_generated, unroll_of
 from codegen.garbage_collection import collection_paused
@@ -156,8 +158,21 @@ def _build(
         times = compile_modules([report.path for report in every])
         for report, seconds in zip(every, times, strict=True):
             report.seconds["compile"] = seconds
+        for report in every:
+            if isinstance(report, SceneReport):
+                _report_start(report)
     stale = tuple(report.path for report in every if check and report.changed)
     return BuildReport(tuple(one for one in every if isinstance(one, SceneReport)), stale)
+
+
+def _report_start(report: SceneReport) -> None:
+    """Report why a scene that was compiled does not assemble, or how far from its guesses."""
+    try:
+        start = assembled_module(report.path, report.text)
+    except InputError as error:
+        report.problem = str(error)
+    else:
+        report.notes += (start.note,) if start.note else ()
 
 
 def _emit(

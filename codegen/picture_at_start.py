@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from codegen.assembled_start import assembled_start
 from codegen.derive.equations import derive
 from codegen.drawing.body_outlines import complete_picture
 from codegen.drawing.picture import Picture
+from codegen.errors import InputError, note
 from codegen.lower.interpreter import FAILURES, evaluate
 from codegen.lower.kernels.picture_kernels import CURVES, NAME, lower_picture
 from codegen.lower.lowered_scene import lower
@@ -50,9 +52,17 @@ def declared_picture(
     declared = with_settings(model, parameters or {})
     chosen, *_ = valid_scenes(declared, None if scene is None else (scene,))
     lowered = lower(derive(declared, chosen))
-    poses = Poses(lowered)
-    closed = poses.start() if assembled else None
-    q = poses.guess if closed is None else closed[0]
+    q, title = Poses(lowered).guess, ""
+    if assembled:
+        try:
+            start = assembled_start(lowered)
+        except InputError as error:
+            title = ": its joints do not close from these guesses"
+            note(str(error))
+        else:
+            q = start.q
+            if start.note:
+                note(f"{lowered.description.model}/{lowered.description.scene}: {start.note}")
     picture = lower_picture(lowered)
     defaults = [value for _, value, *_ in lowered.description.parameters]
     still: dict[str, Any] = {"q": q.tolist(), "v": [0.0] * len(q), "p": defaults}
@@ -63,6 +73,4 @@ def declared_picture(
 
     numbers = values(NAME, 0.0)[None]
     drawn = picture.layout.picture(np.zeros(1), numbers, partial(values, CURVES)).first
-    if assembled and closed is None:
-        drawn = replace(drawn, title=f"{drawn.title}: its joints do not close from these guesses")
-    return complete_picture(drawn)
+    return complete_picture(replace(drawn, title=f"{drawn.title}{title}"))

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from weakref import WeakSet
 
-from codegen.errors import note
+from codegen.errors import InputError, note
 from codegen.files.build_records import fresh_text, unchanged
 from codegen.files.generated_modules import scene_path, shortened
 from codegen.files.library_folders import LIBRARY as _LIBRARY
@@ -69,7 +69,12 @@ def load(
 
         declared = None if isinstance(scene, str) else scene
         mechanism = read_mechanism(path, text, source, declared)
+        from runtime.assembly.assemble import assemble_declared
     LOADED.add(mechanism)
+    try:
+        assemble_declared(mechanism)
+    except InputError as error:
+        note(str(error))  # other parameters or guesses may assemble
     return Machine(mechanism)
 
 

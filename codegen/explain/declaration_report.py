@@ -1,6 +1,7 @@
 """What is wrong with a declaration, everything at once; and if nothing is, what it amounts to.
 
-The stages of a build are gone through up to the emission of kernels, and nothing is compiled.
+The stages of a build are gone through up to the emission of kernels. Of these, the ones that
+assembly takes are compiled.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -8,23 +9,28 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from codegen.assembled_start import assembled_start
 from codegen.check.declaration import check_model
-from codegen.check.kinematics import (
-    Assembly,
-    Findings,
-    Moved,
-    assemble_at_start,
-    joints_at_one_point,
-    one_joint_bodies,
-)
+from codegen.check.kinematics import Findings, joints_at_one_point, one_joint_bodies
 from codegen.check.scene import check_scene
 from codegen.derive.equations import Equations
 from codegen.driver import translate
-from codegen.errors import LinkwrightError
+from codegen.errors import InputError, LinkwrightError
 from codegen.generated_files.generated_file import Clock, Progress
+from codegen.lower.lowered_scene import Lowered
 from codegen.model import Model
 from codegen.reading.model_file import read_model
 from codegen.reading.scene_selection import valid_scenes, with_settings, without_overridden
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A coordinate that closing the joints moves: its guess, the value reached, the unit."""
+
+    name: str
+    guess: float
+    reached: float
+    unit: str
 
 
 @dataclass(frozen=True)
@@ -38,10 +44,10 @@ class SceneFacts:
     constraints: int
     degrees_of_freedom: int  # redundant constraints take no freedom away
     drivers: tuple[str, ...]
-    notes: tuple[str, ...]  # sentences about redundant constraints
-    gap: float  # this and the next two as of the `Assembly` at the start
-    moved: tuple[Moved, ...]
-    problem: str
+    notes: tuple[str, ...]  # sentences about redundant constraints, and a start far from its guess
+    gap: float | None  # the largest residual at the start, m or rad; None where joints are open
+    moved: tuple[Moved, ...]  # at the start, the largest change first
+    problem: str  # why the scene does not assemble
     left_out: tuple[str, ...]  # elements that have no share in the scene
     unused_parameters: tuple[str, ...]
     one_joint: dict[str, str]  # body that one joint alone holds → the joint
@@ -100,9 +106,8 @@ def check_declaration(
                 clock = Clock({}, progress, f"{declared.name}, scene {chosen.name}")
                 equations, lowered, findings = translate(declared, chosen, clock)
                 progress(f"{declared.name}, scene {chosen.name}: assemble")
-                assembly = assemble_at_start(lowered)
-                scenes.append(_facts(declared, equations, findings, assembly))
-                problems += filter(None, (assembly.problem,))
+                scenes.append(_facts(declared, equations, lowered, findings))
+                problems += filter(None, (scenes[-1].problem,))
         except LinkwrightError as error:
             problems += error.problems
     if any(facts.problem for facts in scenes):
@@ -123,13 +128,27 @@ def _problems_of_scene(model: Model, name: str) -> list[str]:
     return found
 
 
-def _facts(model: Model, equations: Equations, found: Findings, assembly: Assembly) -> SceneFacts:
+def _facts(model: Model, equations: Equations, lowered: Lowered, found: Findings) -> SceneFacts:
     left_out = tuple(name for name, _ in equations.left_out)
+    gap, moved, notes, problem = None, list[Moved](), found.notes, ""
+    try:
+        start = assembled_start(lowered)
+    except InputError as error:
+        problem = str(error)
+    else:
+        gap = max(start.residual.values(), default=0.0)
+        notes += (start.note,) if start.note else ()
+        places = {row.name for row in start.coordinates}
+        moved = [
+            Moved(*row)
+            for row in sorted(start.moved, key=lambda row: -abs(row.by))
+            if row.name in places
+        ]
     return SceneFacts(
         equations.scene.name, equations.scene.analysis, equations.bodies, found.coordinates,
         found.constraints, found.degrees_of_freedom,
-        tuple(c.name for c in equations.constraints if c.driver), found.notes,
-        assembly.gap, assembly.moved, assembly.problem, left_out, equations.unused,
+        tuple(c.name for c in equations.constraints if c.driver), notes,
+        gap, tuple(moved), problem, left_out, equations.unused,
         {one: joint for one, joint in one_joint_bodies(model, left_out) if one in equations.bodies},
     )  # fmt: skip
 

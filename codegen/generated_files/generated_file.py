@@ -84,7 +84,10 @@ class SceneReport(FileReport):
     tangents, reduced, picture, outputs
         Its companion modules, if it has them: exact derivatives, reduced coordinates, geometry …
     notes
-        Remarks for the modeller: constraints that are redundant near the start values.
+        Remarks for the modeller: constraints that are redundant near the start values; a
+        start that is far from its guesses, where the scene was compiled.
+    problem
+        Why a scene that was compiled does not assemble; other parameters or guesses may.
     """
 
     model: str
@@ -102,6 +105,7 @@ class SceneReport(FileReport):
     picture: CompanionReport | None = None
     outputs: CompanionReport | None = None
     notes: tuple[str, ...] = ()
+    problem: str = ""
 
     @property
     def companions(self) -> tuple[CompanionReport, ...]:

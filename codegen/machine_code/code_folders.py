@@ -88,8 +88,7 @@ def code_folders(beside: Path, name: str = "") -> list[Path]:
     """
     unique, found = unique_name(beside), list[Path]()
     places = [Path(CHOSEN) / unique] if CHOSEN else [beside / "__pycache__"]
-    users = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or "~/.cache"
-    for place in (*places, Path(users) / "linkwright" / unique):
+    for place in (*places, users_folder() / unique):
         with suppress(OSError, RuntimeError):  # a user without a home, or a folder without access
             folder = place.expanduser()
             if is_writable(folder):
@@ -97,6 +96,12 @@ def code_folders(beside: Path, name: str = "") -> list[Path]:
             if name and (folder / name).exists() and not PLAIN:
                 found.append(folder)
     return found
+
+
+def users_folder() -> Path:
+    """The folder in the user's cache folder, which may begin with ~."""
+    users = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or "~/.cache"
+    return Path(users) / "linkwright"
 
 
 def is_writable(folder: Path) -> bool:

@@ -107,8 +107,8 @@ class Model(Values, Scenes, Forces, Contacts):
         parameters
             Values by name, in SI units or as texts, ``"45 mm"``, in place of the defaults.
         assembled
-            Whether the joints are closed first, starting from the start values and guesses. If they
-            cannot be closed, or with False, the machine is drawn at its guesses, and a dashed line
+            Whether the joints are closed first, as for a run. If they cannot be closed, which is a
+            warning that says why, or with False, the machine is drawn at its guesses, and a dashed line
             shows how far each joint is open.
         dimensions, forces, frames, names
             Whether to draw the distances between the points of a body, m; the applied forces, to

@@ -139,6 +139,7 @@ def _print_build(report: "BuildReport", check: bool) -> None:
             rows.append(("operations", listed(companion.operations)))
             seconds |= {f"{k} {companion.title}": x for k, x in companion.seconds.items()}
         rows.append(("seconds", ", ".join(f"{k} {x:.2f}" for k, x in seconds.items())))
+        rows += [("assembly", s.problem)] if s.problem else []
         print_rows([*rows, *(("note", note) for note in s.notes)])
 
 

@@ -152,7 +152,7 @@ def check(
 ) -> None:
     """Find everything that is wrong with a declaration.
 
-    If nothing is wrong, show freedoms, redundant constraints and assembly. Nothing is compiled.
+    If nothing is wrong, show freedoms, redundant constraints and the start, assembled as for a run.
     The exit status is 2 if something is wrong.
     """
     from codegen.explain.declaration_report import check_declaration
@@ -190,12 +190,14 @@ def _rows(scene: "SceneFacts") -> list[tuple[str, str]]:
         "degree of freedom": scene.degrees_of_freedom,
     }  # fmt: skip
     counts = ", ".join(quantity(count, noun) for noun, count in numbers.items())
+    independent = scene.degrees_of_freedom == scene.coordinates - scene.constraints
+    redundant = "none" if independent else "some"
     ends = [f"{body} ({joint})" for body, joint in scene.one_joint.items()]
     unused, left_out = scene.unused_parameters, [*scene.left_out]
     parameters = [f"parameter{'s' * (len(unused) > 1)} {', '.join(unused)}"] if unused else []
     found = {
         "bodies": ", ".join(scene.bodies),
-        "equations": f"{counts}; {'some redundant' if scene.notes else 'none redundant'}",
+        "equations": f"{counts}; {redundant} redundant",
         "assembly": _assembly(scene),
         "one joint": ", ".join(ends) if scene.degrees_of_freedom else "",
         "left out": "; ".join([*([", ".join(left_out)] if left_out else []), *parameters]),
@@ -239,7 +241,7 @@ def draw(
     t: float | None = time(
         None,
         "Instant in s at which the machine is assembled; unless given, its start is drawn, and "
-        "nothing is compiled."
+        "nothing is built."
     ),
     settings: Values = None,
     generated: Generated = None,

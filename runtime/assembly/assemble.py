@@ -10,30 +10,35 @@ the relative error eps / d². The singular configuration itself is located to ro
 the tangent has the relative error d.
 """
 
-from collections.abc import Iterable
-from typing import TypeVar
-
 import numpy as np
 import numpy.typing as npt
 
-from codegen.errors import AssemblyError, RedundancyError
+from codegen.errors import AssemblyError
 from runtime.assembly import redundancy
+from runtime.assembly.far_starts import note_on_start
 from runtime.assembly.joint_closing import CLOSED, Task, close
-from runtime.assembly.redundancy import Dependency, Findings, is_clearly_independent
+from runtime.assembly.open_joints import (
+    contradiction,
+    largest_of,
+    misses,
+    redundancy_error,
+    why_open,
+)
+from runtime.assembly.redundancy import Findings, is_clearly_independent
 from runtime.assembly.regular_start import LARGEST, VELOCITY_CLOSED, find_regular_start, weights
 from runtime.assembly.start_values import MOVED, Start, start_of_state, start_values
 from runtime.core.arrays import EPS
 from runtime.linalg.least_norm import least_norm_solver
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism import Numbers
+from runtime.mechanism.mechanism import Mechanism, Numbers
 from runtime.mechanism.module_tables import Description
 from runtime.results.assembled_state import Assembly, Moved, Redundant, State
 from runtime.singularity.motion_polynomial import taylor
 from runtime.singularity.singular_position_near_motion import SingularPositions
+from runtime.validation.arguments import parameter_values
 from runtime.validation.finite_equations import require_finite
 
 BoolArray = npt.NDArray[np.bool_]
-Key = TypeVar("Key")
 
 _UNRESOLVED = 1e-8  # accuracy: rad; distance of neighbouring numbers at which sin φ has no digits
 _NEAR = EPS ** (1.0 / 3.0)  # accuracy: distance d at which the errors d and eps / d² are equal
@@ -69,6 +74,16 @@ def assemble(
     return _report(equations, t, *_irregular_start(equations, t, start, given))
 
 
+def assemble_declared(mechanism: Mechanism) -> Assembly:
+    """The start that a scene declares, with the defaults of its parameters, at t = 0.
+
+    That of a search for equilibrium may leave what the scene fixes. `check`, `draw`, `build` and
+    `load` ask for it, so that they say of a scene what its analyses say.
+    """
+    equations = Equations(mechanism, parameter_values(mechanism))
+    return assemble(equations, release=equations.description.analysis == "equilibrium")
+
+
 def _irregular_start(
     equations: Equations, t: float, start: Start, given: dict[str, float]
 ) -> tuple[FloatArray, FloatArray, FloatArray, Start, Findings]:
@@ -83,13 +98,13 @@ def _irregular_start(
     )  # fmt: skip
     closing = close(task, start.q)
     if not closing.closed:
-        raise _why_open(task, start, closing.q, drivers)
+        raise why_open(task, start, closing.q, drivers)
     q = closing.q
     _require_resolved_angles(description, t, q)
     require_finite(equations, t, q, np.zeros_like(start.v))
     findings = redundancy.find_redundancy(task, q, drivers, start.v)
     if any(drivers[row] for row, _ in findings.lasting):
-        raise _redundancy(description, findings.lasting, findings.rank, "consistent")
+        raise redundancy_error(description, findings.lasting, findings.rank, "consistent")
     v = _velocities(task, start, q)
     if findings.lasting:
         findings = findings._replace(undetermined=redundancy.undetermined_rows(task, q))
@@ -148,111 +163,16 @@ def _velocities(task: Task, start: Start, q: FloatArray) -> FloatArray:
     gaps = matrix @ v - nu
     most = VELOCITY_CLOSED * max(1.0, float(np.abs(v / task.scale).max(initial=0.0)))
     if np.abs(gaps / task.row_scale).max(initial=0.0) > most:
-        misses = _misses(task, q, gaps, most, "/s")
+        open_by = misses(task, q, gaps, most, "/s")
         if start.fixed_v.any():
             fault = "velocities contradict the joints"
             names = [(row.velocity, row.velocity_unit) for row in equations.description.coordinates]
-            raise _contradiction(task, fault, names, start.v, start.fixed_v, misses)
+            raise contradiction(task, fault, names, start.v, start.fixed_v, open_by)
         raise AssemblyError(
             f"{equations.description.title}: no velocities satisfy joints and drivers at "
-            f"t = {t:g} s: {misses}. The position is singular for this motion; start elsewhere."
+            f"t = {t:g} s: {open_by}. The position is singular for this motion; start elsewhere."
         )
     return v
-
-
-def _contradiction(
-    task: Task, fault: str, names: list[tuple[str, str]], values: FloatArray, fixed: BoolArray,
-    misses: str,
-) -> AssemblyError:  # fmt: skip
-    """The error of start values that the joints do not allow; their `names` with their units."""
-    said = (f"{names[k][0]} = {values[k]:g} {names[k][1]}" for k in np.flatnonzero(fixed))
-    return AssemblyError(
-        f"{task.equations.description.title}: the fixed start {fault}. Start says "
-        f"{', '.join(said)}; with these {misses}. "
-        "Make one of them a guess (guess=), or correct its value. Where a point of a joint may be "
-        "wrong, `linkwright check` looks for it, and `linkwright draw` shows the gaps."
-    )
-
-
-def _why_open(task: Task, start: Start, q: FloatArray, drivers: BoolArray) -> AssemblyError:
-    """The error of joints that do not close; q is where they come nearest to it."""
-    require_finite(task.equations, task.t, q, np.zeros_like(q))
-    description, phi = task.equations.description, task.equations.constraints(task.t, q)
-    doubled = redundancy.dependent_joints(task, q, drivers)
-    if doubled:
-        rank = len(task.rows) - int(drivers.sum()) - len(doubled)
-        return _redundancy(description, doubled, rank, "contradictory", phi)
-    gaps = _misses(task, q, phi, CLOSED)
-    released = task._replace(free=np.ones_like(task.free))
-    if start.fixed_q.any() and close(released, start.q).closed:
-        names = [(row.name, row.unit) for row in description.coordinates]
-        fault = f"values contradict the joints at t = {task.t:g} s"
-        return _contradiction(task, fault, names, start.q, start.fixed_q, gaps)
-    if drivers.any():
-        joints = close(released._replace(rows=~drivers), start.q)
-        if joints.closed:
-            there = close(released, joints.q).q
-            left = task.equations.constraints(task.t, there)
-            return AssemblyError(
-                f"{description.title}: the joints close, but not with what the drivers "
-                f"({', '.join(description.drivers)}) demand at t = {task.t:g} s: "
-                f"{_misses(task, there, left, CLOSED)}. The driver asks for a position out of "
-                "reach, or fights the joints; change its value at this time or the dimensions."
-            )
-    return AssemblyError(
-        f"{description.title}: the machine cannot be assembled at t = {task.t:g} s; the nearest "
-        f"that it comes leaves gaps: {gaps}. Check the dimensions and attachment points of these "
-        "joints, or start nearer to an assembled position."
-    )
-
-
-def _largest(keys: Iterable[Key], values: FloatArray) -> dict[Key, float]:
-    """Largest |value| of each key."""
-    found: dict[Key, float] = {}
-    for key, value in zip(keys, values, strict=True):
-        found[key] = max(found.get(key, 0.0), abs(float(value)))
-    return found
-
-
-def _misses(task: Task, q: FloatArray, values: FloatArray, least: float, per: str = "") -> str:
-    """`joint C misses by 0.31 m, ...`, the worst first; that one in any case."""
-    equations, description = task.equations, task.equations.description
-    units = equations.row_units(equations.slopes(task.t, q))
-    elements = (row.element for row in description.constraints)
-    found = _largest(zip(elements, units, strict=True), values)
-    worst = sorted(found.items(), key=lambda item: -item[1])[:6]
-    return ", ".join(
-        f"{'driver' if element in description.drivers else 'joint'} {element} misses by "
-        f"{miss:.4g} {unit}{per}"
-        for place, ((element, unit), miss) in enumerate(worst)
-        if miss > least or place == 0
-    )
-
-
-def _redundancy(
-    description: Description, dependencies: list[Dependency], independent: int, kind: str,
-    phi: FloatArray | None = None,
-) -> RedundancyError:  # fmt: skip
-    """The error that names dependent constraints and what to remove."""
-    table, problems = description.constraints, []
-    for row, sources in dependencies:
-        name, element = table[row].name, table[row].element
-        from_elements = sorted({table[source].element for source in sources})
-        origin = f"follows from {', '.join(from_elements)}" if from_elements else "moves nothing"
-        if element in description.drivers:
-            problems.append(
-                f"{description.title}: driver {element} fights the joints: what it drives is "
-                f"already determined ({name} {origin}). Remove {element}, or free that motion."
-            )
-            continue
-        gap = "" if phi is None else f", and contradicts them (gap {abs(phi[row]):.4g})"
-        problems.append(
-            f"{description.title}: constraint {name} is redundant and {kind}: it "
-            f"{origin}{gap}. Remove {element}, or use a joint with fewer constraints in its place "
-            f"({len(description.positions)} coordinates, {len(table)} constraints, "
-            f"{independent} independent)."
-        )
-    return RedundancyError(problems)
 
 
 def _report(
@@ -276,13 +196,13 @@ def _report(
     phi, slopes = equations.constraints(t, q), equations.slopes(t, q)
     rates = equations.matrix_of(slopes) @ v - equations.velocity_rhs(t, q)
     return Assembly(
-        t, q, v, _largest(elements, phi), _largest(elements, rates), tuple(moved),
+        t, q, v, largest_of(elements, phi), largest_of(elements, rates), tuple(moved),
         degrees_of_freedom=len(equations.description.positions) - findings.rank,
         singular=tuple(table[k].name for k, _ in findings.here_only),
         redundant=tuple(redundant.values()),
         not_unique=tuple(dict.fromkeys(elements[k] for k in findings.undetermined)),
         independent=tuple(k for k in range(len(table)) if k not in redundant),
-        coordinates=coordinates,
+        coordinates=coordinates, note=note_on_start(equations, t, start, q, scale),
     )  # fmt: skip
 
 

@@ -16,8 +16,11 @@ from runtime.mechanism.dense_equations import Equations, FloatArray
 CLOSED = 1e-10  # accuracy: largest scaled gap of joints that are closed
 # measured: growing penalties r of (q - q0)ᵀ W (q - q0) + r Φᵀ Φ
 PENALTIES = tuple(float(r) for r in 10.0 ** np.arange(0, 9, 2))
+# measured: the next ones, for a position near to a singular one, which the first do not leave
+_STRONGER = (1e10, 1e12)
 ROUGH = 1e-3  # measured: scaled gap from which on a penalty leads Newton's method
 DIGITS = 4.0  # safety: last digits of the coordinates in a constraint, by which it may be open
+_HALVES = 12  # accuracy: of a gap, in which the part is found that must stay open
 _RESTARTS = 6  # safety: random starts after the given one has failed
 
 
@@ -46,10 +49,12 @@ class Task(NamedTuple):
     rows: Selection
     free: Selection
     weight: FloatArray
+    offset: FloatArray | float = 0.0  # the values at which constraints count as closed
 
     def gaps(self, q: FloatArray) -> FloatArray:
         """Scaled constraint values of the chosen rows."""
-        phi: FloatArray = self.equations.constraints(self.t, q) / self.row_scale
+        values = self.equations.constraints(self.t, q) - self.offset
+        phi: FloatArray = values / self.row_scale
         return phi[self.rows]
 
     def slopes(self, q: FloatArray) -> FloatArray:
@@ -81,28 +86,42 @@ class Task(NamedTuple):
 
 
 def close(task: Task, start: FloatArray) -> Closing:
-    """Close the joints from `start`; retries move only coordinates without a given start value."""
+    """Close the joints from `start`.
+
+    Retries move coordinates without a given start value, and where that does not help guesses, too.
+    """
     best = _attempt(task, start)
     unknown = task.free & (task.weight < 1.0)
-    if best.closed or not unknown.any():
-        return best
     random = np.random.default_rng(1)
-    for _ in range(_RESTARTS):
-        moved = start.copy()
-        moved[unknown] += random.normal(size=int(unknown.sum())) * task.scale[unknown]
-        best = min(best, _attempt(task, moved), key=lambda closing: closing.gap)
+    guesses = task.free & (not task.equations.is_large)
+    for moving in (*[unknown] * _RESTARTS, *[guesses] * _RESTARTS):
         if best.closed:
             break
+        if moving.any():
+            moved = start.copy()
+            moved[moving] += random.normal(size=int(moving.sum())) * task.scale[moving]
+            best = min(best, _attempt(task, moved), key=lambda closing: closing.gap)
     return best
 
 
 def _attempt(task: Task, start: FloatArray) -> Closing:
     q = start.copy()
     if task.free.any() and task.rows.any():
-        if np.abs(task.gaps(q)).max() > ROUGH:
+        is_rough = np.abs(task.gaps(q)).max() > ROUGH
+        if is_rough:
             for penalty in PENALTIES:
                 q = _minimise(task, start, q, float(penalty))
-        q = refine(task, q)
+        near, q = q, refine(task, q)
+        closing = _closing(task, q)
+        if is_rough and not closing.closed and closing.gap < ROUGH:
+            for penalty in _STRONGER:
+                near = _minimise(task, start, near, penalty)
+            closing = min(closing, _closing(task, refine(task, near)), key=lambda one: one.gap)
+        return closing
+    return _closing(task, q)
+
+
+def _closing(task: Task, q: FloatArray) -> Closing:
     # A machine far from the origin closes to the last digits of its coordinates.
     rounding = DIGITS * EPS * task.term_sizes(q)[task.rows]
     gap = float((np.abs(task.gaps(q)) - rounding).max(initial=0.0))
@@ -128,6 +147,27 @@ def nearest(task: Task, q: FloatArray) -> FloatArray:
     """About the nearest closed position to q, with equal weights."""
     even = task._replace(weight=np.ones_like(q))
     return _minimise(even, q, q, float(PENALTIES[-1]))
+
+
+def least_gap(task: Task, row: int, q: FloatArray) -> float:
+    """How little open one constraint can be where all others are closed, with its sign, from q on.
+
+    The position moves on in halves of what is left of the gap.
+    """
+    gap, offset, least, most = (
+        task.equations.constraints(task.t, q)[row],
+        np.zeros(task.equations.m),
+        0.0,
+        1.0,
+    )
+    for _ in range(_HALVES):
+        offset[row] = 0.5 * (least + most) * gap
+        tried = _attempt(task._replace(offset=offset), q)
+        if tried.closed:
+            q, most = tried.q, 0.5 * (least + most)
+        else:
+            least = 0.5 * (least + most)
+    return float(most * gap)
 
 
 def _minimise(task: Task, origin: FloatArray, q: FloatArray, penalty: float) -> FloatArray:

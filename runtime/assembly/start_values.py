@@ -124,4 +124,4 @@ def start_note(
             set_others = "" if isinstance(given, State) else ", ".join(given or ())
             why = f", with start of {set_others}" if set_others else ": start= sets a value"
             parts.append(f"guess {name} = {value:.6g} became {begin[name]:.6g} {unit}{why}.")
-    return "".join(f" {part}" for part in parts)
+    return "".join(f" {part}" for part in (*parts, *filter(None, (begin.note,))))

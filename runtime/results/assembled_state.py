@@ -115,6 +115,8 @@ class Assembly:
         Joints and drivers whose reactions the equations of motion leave open because of them.
     independent
         Indices of the other constraints, shape (rank,).
+    note
+        Sentences on bodies that are far from their guesses, and on loops that are the mirror image.
     """
 
     t: float
@@ -129,6 +131,7 @@ class Assembly:
     not_unique: tuple[str, ...] = ()
     independent: tuple[int, ...] = ()
     coordinates: Table[Coordinate] = field(default=Table(), repr=False)
+    note: str = ""
 
     def __getitem__(self, name: str) -> float:
         """Value of a coordinate or velocity by name."""
@@ -178,6 +181,7 @@ class Assembly:
             f"  {row.name} moved from {row.asked:.6g} to {row.reached:.6g} {row.unit}"
             for row in self.moved
         ]
+        lines += [f"  {self.note}"] if self.note else []
         if self.singular:
             lines.append(f"  Singular position: {', '.join(self.singular)} have no hold here.")
         lines += [f"  {row}" for row in self.redundant]

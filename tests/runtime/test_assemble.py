@@ -100,7 +100,7 @@ CRANKS: dict[str, tuple[bool, list[tuple[str, float, str]], dict[str, Any], list
         True, [("crank.phi", 0.5, "fixed")], {}, ["driver crank_drive misses by 0.2854 rad"],
     ),
     "out of reach": (
-        True, [], {"parameters": {"l": 1.0}}, ["misses by",
+        True, [], {"parameters": {"l": 1.0}}, ["asks for 0.262 rad more than",
              "the joints close, but not with what the drivers (crank_drive) demand"],
     ),
     "a parameter out of scale": (

@@ -1,0 +1,81 @@
+"""Notes on a start that is far from its guess: bodies turned away, loops in their mirror image.
+
+With its drivers and what a scene fixes, a loop of bars closes in two ways or more, between which
+the determinant of its constraints vanishes. So it has the other sign in the mirror image. The loops
+are the irreducible blocks of Φ_q: the strong components of the graph of its columns, each of which
+is matched with a row (A. L. Dulmage and N. S. Mendelsohn, Coverings of bipartite graphs, 1958).
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from runtime.assembly.start_values import Start
+from runtime.mechanism.dense_equations import Equations, FloatArray
+
+_TURNED = 0.5 * np.pi  # accuracy: rad; a body that turns by more is far from its guess
+_STAYED = 0.05  # measured: rad; where no body turns by more, no loop changes its form
+# measured: determinant, rows of length 1, over that at the start; a guess with a smaller one is
+# near to both forms of its loop
+_BETWEEN = 0.05
+
+
+def note_on_start(
+    equations: Equations, t: float, start: Start, q: FloatArray, scale: FloatArray
+) -> str:
+    """Sentences on what is far from its guess at an assembled position q, (n,); empty if nothing.
+
+    Coordinates without a start value or guess are nowhere near or far.
+    """
+    names = [row.name.rpartition(".") for row in equations.description.coordinates]
+    is_angle = np.array([letter == "phi" for *_, letter in names], np.bool_)
+    turns = np.remainder(q - start.q + np.pi, 2.0 * np.pi) - np.pi
+    turned = np.where(is_angle & start.given_q, np.abs(turns), 0.0)
+    if turned.max(initial=0.0) <= _STAYED:
+        return ""
+
+    def said(columns: list[int]) -> str:
+        return ", ".join(
+            f"{names[k][0]} from {np.degrees(start.q[k]):.1f}° to {np.degrees(q[k]):.1f}°"
+            for k in columns
+        )
+
+    parts = []
+    if far := np.flatnonzero(turned > _TURNED).tolist():
+        parts.append(f"Closing the joints turns by more than a right angle: {said(far)}.")
+    for loop in _mirrored_loops(equations, t, start, q, scale):
+        angles = [k for k in loop if is_angle[k]]
+        if angles and start.given_q[angles].all():
+            parts.append(f"A loop closes as the mirror image of its guess: {said(angles)}.")
+    advice = "If another position is meant, give guesses nearer to it."
+    return " ".join([*parts, advice]) if parts else ""
+
+
+def _mirrored_loops(
+    equations: Equations, t: float, start: Start, q: FloatArray, scale: FloatArray
+) -> Iterator[list[int]]:
+    """The columns of the coordinates of each loop whose determinant has changed its sign.
+
+    There are none where more coordinates are free than the constraints determine.
+    """
+    free = np.flatnonzero(~start.fixed_q)
+    if equations.is_large or len(free) != equations.m:
+        return
+    from scipy.sparse import csr_array  # runs that start near their guesses load none of it
+    from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
+
+    before, after = ((equations.jacobian(t, at) * scale)[:, free] for at in (start.q, q))
+    graph = csr_array((before != 0.0) | (after != 0.0))
+    match = maximum_bipartite_matching(graph, perm_type="column")
+    if (match < 0).any():
+        return
+    count, loops = connected_components(graph[:, match], connection="strong")
+    for loop in range(count):
+        rows = np.flatnonzero(loops == loop)
+        block = np.ix_(rows, match[rows])
+        here, there = (
+            np.linalg.det(m[block] / np.linalg.norm(m[block], axis=1, keepdims=True))
+            for m in (before, after)
+        )
+        if here * there < 0.0 and abs(here) > _BETWEEN * abs(there):
+            yield sorted(free[match[rows]].tolist())
