@@ -41,7 +41,7 @@ LONGEST = 2000  # layout: characters of a sentence
 def check_model(model: "Model") -> list[str]:
     """Problems of the declaration, whatever the scene."""
     problems = [*model.problems]
-    if not model.bodies:
+    if not (model.bodies or model.noted):
         problems.append(f"model '{model.name}' has no body; declare one with model.body(...).")
     known = known_symbols(model)
     of_bodies = {name: [*body_problems(model, b, known)] for name, b in model.bodies.items()}

@@ -92,7 +92,11 @@ class _ElementCheck:
             if body.model is not model.token:
                 advice = f"use a body of '{model.name}'."
                 yield f"{where}: body '{body.name}' belongs to another model; {advice}"
-            elif not body.fixed and model.bodies.get(body.name) is not body:
+            elif (
+                not body.fixed
+                and model.bodies.get(body.name) is not body
+                and (body.name not in model.noted)
+            ):
                 yield f"{where}: body '{body.name}' is not declared in '{model.name}'."
         replaced = replaced_body(self.element)
         if replaced is not None and replaced.fixed:

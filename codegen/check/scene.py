@@ -74,7 +74,7 @@ class _SceneCheck:
                 yield problem
 
     def _missing_masses(self) -> Iterator[str]:
-        if not self.parts.bodies:
+        if not self.parts.bodies and self.model.bodies:
             yield (
                 "no body takes part, so there is no coordinate to compute; leave one of "
                 f"{', '.join(self.model.bodies)} in."
@@ -94,14 +94,14 @@ class _SceneCheck:
         scene, kind = self.scene, self.model.kind
         for name in (*scene.effects, *scene.drivers):
             for owner in self._needed(name):
-                if owner not in self.present:
+                if owner not in self.present | self.model.noted:
                     yield (
                         f"{kind(name)} '{name}' needs {kind(owner)} '{owner}', which takes no "
                         f"part; leave '{name}' out, or take '{owner}' in."
                     )
         for name, _ in (*scene.start, *scene.guess):
             owner = name.rpartition(".")[0] or name  # a state is its own
-            if owner not in self.present:
+            if owner not in self.present | self.model.noted:
                 yield f"{name} has a start value, but its {kind(owner)} takes no part."
         for name, _ in scene.guess:
             if name in scene.states:

@@ -172,9 +172,10 @@ class Declarations:
             self._note(problem)
             return False
         assert isinstance(name, str)
-        if name in self._kinds:
+        if known := self._kinds.get(name):
+            article = "an" if known[0] in "aeiou" else "a"
             self._note(
-                f"{kind} '{name}': the name is already that of a {self._kinds[name]}; "
+                f"{kind} '{name}': the name is already that of {article} {known}; "
                 "give every element its own name."
             )
             return False
@@ -192,9 +193,20 @@ class Declarations:
         elif isinstance(element, Constraint):
             is_driver = role(element.kind) == "driver"
             word, table = ("driver", self.drivers) if is_driver else ("joint", self.joints)
-        if self._claim(word, element.name):
-            table[element.name] = element
+        self._put(word, table, element.name, element)
         return element
+
+    def _put(self, kind: str, table: dict[str, Any], name: Any, declared: Any) -> None:
+        """Put what is declared into its table, also where another kind has its name.
+
+        What refers to something of a wrong name is no mistake of its own.
+        """
+        if self._claim(kind, name):
+            table[name] = declared
+        elif isinstance(name, str):
+            self.noted |= {name}
+            if not name_problem(kind, name):
+                table.setdefault(name, declared)
 
     def _element(
         self, cls: type[Any], renamed: Mapping[str, str] = MappingProxyType({}), /, *,
@@ -308,10 +320,11 @@ class Declarations:
         if name in self.states:
             return self.states[name].unit
         owner = name.rpartition(".")[0]
-        own = self.bodies[owner].coordinates if owner in self.bodies else ()
-        if owner in self.joints:
-            own = own_coordinates(self.joints[owner])
-        return {dotted(s): s.unit for q in own for s in (q, q.rate)}.get(name)
+        own = own_coordinates(self.joints[owner]) if owner in self.joints else ()
+        if owner in self.bodies:
+            own = self.bodies[owner].coordinates
+        wrong = "" if owner in self.noted else None  # of something of a wrong name
+        return {dotted(s): s.unit for q in own for s in (q, q.rate)}.get(name, wrong)
 
     def _quantities(self) -> list[str]:
         """Names of all coordinates, velocities and states."""

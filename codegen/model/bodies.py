@@ -213,6 +213,4 @@ class MovingBodies(Constraints):
 
     def _positive(self, value: Any, unit: str, where: str) -> sympy.Expr | None:
         """A mass or inertia, if given; a parameter that is one must be positive from now on."""
-        before = len(self.problems)
-        read = None if value is None else self._value(value, unit, where, "positive")
-        return read if len(self.problems) == before else None
+        return None if value is None else self._value(value, unit, where, "positive")

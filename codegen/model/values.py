@@ -89,8 +89,8 @@ class Values(Declarations):
         number = self._read.number(value, unit, where)
         if (si := si_unit(unit)) != unit:
             number, unit = float(converted(number, unit, si)), si
-        if self._claim("parameter", name):
-            self.parameters[name] = ParameterDeclaration(name, number, unit, sign)
+        declared = ParameterDeclaration(name, number, unit, sign)
+        self._put("parameter", self.parameters, name, declared)
         return symbol
 
     def table(
@@ -325,8 +325,7 @@ class Values(Declarations):
             self._note(f"nominal of {where} is {size:g}; give a positive size, in {known or '1'}.")
             size = 1.0
         declared = State(name, known, first, size)
-        if self._claim("state", name):
-            self.states[declared.name] = declared
+        self._put("state", self.states, name, declared)
         return declared
 
     def _set_rate(self, declared: State, rate: Any, where: str) -> None:

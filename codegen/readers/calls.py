@@ -251,7 +251,7 @@ def sympy_remedy(error: BaseException) -> str:
     if "truth value of Relational" in text:
         return (
             "Python's if, and, or, max and min need numbers: use sympy.Piecewise, And, Or, Max and "
-            "Min of coordinates and parameters"
+            "Min of coordinates and parameters, or when= of a force"
         )
     named = _NAMED.search(text)
     if "NoneType" in text or not (named or "Cannot convert" in text):

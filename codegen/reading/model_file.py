@@ -139,8 +139,9 @@ def _execute(path: Path) -> tuple[dict[str, object], list[Path], Watch]:
         if isinstance(error, SyntaxError) and error.filename == str(path):
             line = f", line {error.lineno}" if error.lineno else ""
         remedy = sympy_remedy(error)
-        why = f"{type(error).__name__}: {error}" + (f". Note: {remedy}." if remedy else "")
-        raise ModelFileError(f"{path}{line}: the model file fails with {why}") from error
+        said = f"{type(error).__name__}: {error}"
+        why = f"{remedy} ({said})." if remedy else f"the model file fails with {said}"
+        raise ModelFileError(f"{path}{line}: {why}") from error
     return vars(module), files, watch
 
 

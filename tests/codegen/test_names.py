@@ -2,10 +2,13 @@
 
 from copy import copy
 from pathlib import Path
+from textwrap import dedent
+from typing import Any
 
 import pytest
 
 from codegen import Body, InputError, Model, ModelError, build
+from codegen.explain.declaration_report import check_declaration
 from tests.codegen.complaints import HEAD, complaints
 from tests.codegen.workbench import write_model
 
@@ -72,3 +75,45 @@ def test_a_property_that_fails_keeps_its_own_error() -> None:
 
     with pytest.raises(AttributeError, match="'str' object has no attribute 'half'"):
         _ = Odd("rod", None, None, None).length
+
+
+MISTAKES = {
+    "a body named like a parameter": """
+        crank = model.parameter("crank", 0.04, unit="m")
+        b = model.body("crank", mass=1.0, inertia=0.1)
+    """,
+    "two bodies of one name": """
+        model.body("b", mass=1.0, inertia=0.1)
+        b = model.body("b", mass=1.0, inertia=0.1)
+    """,
+    "a body whose name is no identifier": 'b = model.body("2b", mass=1.0, inertia=0.1)',
+    "a mass that is text": 'b = model.body("b", mass="heavy", inertia=0.1)',
+    "a parameter named like a body": """
+        b = model.body("b", mass=1.0, inertia=0.1)
+        model.spring("s", b, model.ground.at(2, 0), stiffness=model.parameter("b", 3.0))
+    """,
+    "a joint named like its body": """
+        b = model.body("b", mass=1.0, inertia=0.1)
+        model.revolute("b", model.ground.at(0, 0), b.at(1, 0))
+    """,
+    "a state named like a body": """
+        b = model.body("b", mass=1.0, inertia=0.1)
+        model.state("b", rate=1.0)
+    """,
+    "a joint of a body that is text": """
+        b = model.body("b", mass=1.0, inertia=0.1)
+        model.revolute("pin", model.ground.at(0, 0), "bar")
+    """,
+}
+
+
+@pytest.mark.parametrize("what", MISTAKES)
+def test_one_mistake_is_one_error(what: str) -> None:
+    model = Model("w")
+    names: dict[str, Any] = {"model": model}
+    exec(dedent(MISTAKES[what]), names)
+    body = names["b"]
+    model.revolute("O", model.ground.at(0, 0), body.at(0, 0))
+    model.torque("motor", on=body, value=1.0)
+    model.scene("run", effects=["motor"], start={body.phi: 0, body.omega: 0})
+    assert len(check_declaration(model).problems) == 1
