@@ -140,7 +140,7 @@ def _execute(path: Path) -> tuple[dict[str, object], list[Path], Watch]:
             line = f", line {error.lineno}" if error.lineno else ""
         remedy = sympy_remedy(error)
         said = f"{type(error).__name__}: {error}"
-        why = f"{remedy} ({said})." if remedy else f"the model file fails with {said}"
+        why = f"{remedy}. ({said})" if remedy else f"the model file fails with {said}"
         raise ModelFileError(f"{path}{line}: {why}") from error
     return vars(module), files, watch
 

@@ -90,7 +90,7 @@ MISTAKES = {
     "a mass that is text": 'b = model.body("b", mass="heavy", inertia=0.1)',
     "a parameter named like a body": """
         b = model.body("b", mass=1.0, inertia=0.1)
-        model.spring("s", b, model.ground.at(2, 0), stiffness=model.parameter("b", 3.0))
+        model.torque("turn", on=b, value=model.parameter("b", 3.0))
     """,
     "a joint named like its body": """
         b = model.body("b", mass=1.0, inertia=0.1)
