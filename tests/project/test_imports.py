@@ -46,7 +46,8 @@ def test_an_import_loads_no_more_than_it_needs(
 COMPILER = {
     *("codegen.readers", "codegen.readers.arguments", "codegen.errors"),
     *("codegen.files", "codegen.files.library_folders", "codegen.object_display"),
-    *("codegen.readers.values", "codegen.readers.calls", "codegen.readers.calls"),
+    *("codegen.readers.values", "codegen.readers.calls", "codegen.readers.quantities"),
+    "codegen.presentation",
     *(
         "codegen.garbage_collection",
         "codegen.parameter_conditions",
@@ -163,6 +164,7 @@ ALLOWED = (
     ("models/example.py", "from codegen import Model"),
     ("models/studies/compressor.py", "from runtime import load"),
     ("generated/example.py", "import math, numba, numpy"),
+    ("runtime/results/series_lookup.py", "import runtime.dynamics.outputs_afterwards"),
 )
 
 
