@@ -295,7 +295,8 @@ class Machine(MachineStates):
     ) -> "Result":  # fmt: skip
         """Forces and torques that a prescribed motion requires, and the reactions in the joints.
 
-        The motion is that of `kinematics`; the reaction of a driver is the force or torque that it
+        The motion is that of `kinematics`, without the position in which a machine locks up, where
+        forces have no bound; the reaction of a driver is the force or torque that it
         exerts on the body that it moves.
 
         Parameters

@@ -19,8 +19,7 @@ from runtime.results.run_records import Kind, SingularPosition
 
 # measured: part of the largest share in a rank deficiency; constraints above it are named
 _PART = 0.05
-_FEW = 4  # layout: branches that a message lists
-_MOST = 3  # layout: joints that a lock-up names, those with the largest share in it
+_FEW = 4  # layout: branches that a message lists, and joints that stand in the way of a driver
 
 
 def describe(at: RankDeficiency, kind: Kind, v: FloatArray, rate: float) -> SingularPosition:
@@ -90,7 +89,7 @@ def lock_up(equations: Equations, found: SingularPosition) -> str:
     drivers = found.drivers or equations.description.drivers
     return (
         f"Locked up at t = {found.time:.12g} s: driver {', '.join(drivers)} cannot go on, "
-        f"joints {', '.join(found.joints[:_MOST])} stand in the way. Change the dimensions or "
+        f"joints {', '.join(found.joints[:_FEW])} stand in the way. Change the dimensions or "
         f"the range of the driver, or drive another coordinate: with the drivers at rest the "
         f"machine could move by {found.free}. (Velocities grow without bound there. "
         f"Smallest singular value of Phi_q: {found.singular_value:.1e}; share of the drivers' "

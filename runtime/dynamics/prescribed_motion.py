@@ -70,6 +70,9 @@ def kinematics(
     motion = end_motion_at_kink(
         equations, begin, motion, lambda times: follow(equations, times, begin, preferred, silent)
     )
+    if analysis != "kinematics" and len(motion.t) > 1 and np.isnan(motion.v[-1]).any():
+        # Forces grow without bound where it locks; `singular` has the position.
+        motion = motion._replace(t=motion.t[:-1], q=motion.q[:-1], v=motion.v[:-1])
     samples = evaluate(equations, motion.t, motion.q, motion.v)
     message = motion.message
     if analysis == "kinematics":

@@ -80,6 +80,8 @@ def judge(machine: RandomMechanism, folder: Path) -> Verdict:
     complaint = "" if statics < MET else f"accelerations or reactions are {statics:.1e} apart"
     if result.outcome is not Outcome.OK:
         last, at = result.samples.q[-1, order], float(result.t[-1])
+        if result.outcome is Outcome.LOCKED and result.singular:  # which has no forces
+            last, at = result.singular[-1].q[order], result.singular[-1].time
         least = dense.least_singular_value(last, at)
         if result.outcome is Outcome.LOCKED:
             modes = _modes(machine, result, -1)

@@ -1,11 +1,16 @@
 """Inverse dynamics against a hand-derived pendulum, power balance and free-body balance."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from codegen import Model
+from codegen import t as time
 from codegen.errors import AnalysisError
+from runtime import load
+from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
 
 
@@ -56,3 +61,23 @@ def test_masses_are_needed(make: Callable[..., Machine]) -> None:
 def test_freedom_is_refused(free: Machine) -> None:
     with pytest.raises(AnalysisError, match="inverse dynamics needs a machine without freedom"):
         free.inverse_dynamics([0.0])
+
+
+def test_a_lock_up_ends_at_the_last_instant_with_forces(tmp_path: Path) -> None:
+    """A crank of 2 m cannot turn through with a rod of 1.9 m."""
+    model = Model("short_rod")
+    crank, slider = (model.body(name, mass=1.0, inertia=0.1) for name in ("crank", "slider"))
+    model.revolute("A", model.ground.at(0, 0), crank.at(0, 0))
+    model.translational("guide", model.ground, slider, axis=(1, 0))
+    model.revolute_revolute("rod", crank.at(2, 0), slider.at(0, 0), 1.9)
+    model.driver("drive", crank.phi, 0.5 + 2.0 * time)
+    model.scene("turn", drivers=["drive"], guess={slider.x: 3.5})
+    machine = load(model, folder=tmp_path)
+    result = machine.inverse_dynamics(2.0)
+    assert result.outcome is Outcome.LOCKED
+    assert "Locked up at t = 0.3766" in result.message
+    assert "driver drive cannot go on" in result.message
+    assert result.t[-1] == pytest.approx(0.376)
+    for values in (result.samples.v, result.samples.a, result.samples.reaction):
+        assert np.isfinite(values).all()
+    assert len(machine.kinematics(2.0).t) == len(result.t) + 1
