@@ -117,6 +117,8 @@ $(DOCS): $(READY)
 	@$(PY) $(INSTALL) --constraint constraints.txt --editable '.[docs]'
 	@touch $@
 
+# Some fifty processes import the same packages, whose byte code is kept whatever the shell says.
+docs: export PYTHONDONTWRITEBYTECODE =
 docs: $(DOCS) ## build the site into docs/_build/html; every warning is an error
 	$(PY) -m runtime.precompile
 	$(PY) -m sphinx --jobs $(WORKERS) --fail-on-warning --keep-going -b html docs docs/_build/html

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
+    from sphinx.environment import BuildEnvironment
 
 DOCS = Path(__file__).resolve().parent
 ROOT = DOCS.parent
 BUILD = DOCS / "_build"
+BLOCKS = 6  # about as many as Sphinx divides the pages into
 sys.path.insert(0, str(DOCS / "_extensions"))
 # Notebooks show figures by the backend of IPython, which one from outside would replace.
 os.environ.pop("MPLBACKEND", None)
@@ -111,6 +113,7 @@ sphinx_gallery_conf = {
     "abort_on_example_error": False,
     "capture_repr": ("_repr_html_",),
     "ignore_repr_types": r"Figure|list",
+    "parallel": True,  # as many at once as readers of pages
     "image_scrapers": ("gallery_parts.scrape",),
     "download_all_examples": False,
     "show_signature": False,
@@ -163,6 +166,11 @@ def make_the_store_of_cells(app: "Sphinx") -> None:
     get_cache(nb_execution_cache_path).list_cache_records()
 
 
+def spread_pages(app: "Sphinx", env: "BuildEnvironment", pages: list[str]) -> None:
+    """Spread the pages with cells, which are neighbours by name, over the blocks of readers."""
+    pages[:] = [page for first in range(BLOCKS) for page in pages[first::BLOCKS]]
+
+
 def copy_mathjax(app: "Sphinx", error: Exception | None) -> None:
     """Put MathJax and its fonts beside the other static files."""
     if error is None and app.builder.format == "html":
@@ -180,4 +188,5 @@ def setup(app: "Sphinx") -> None:
     app.add_config_value("source_digest", "", "env", types=[str])
     app.connect("builder-inited", forget_what_another_source_gave, priority=1)
     app.connect("builder-inited", make_the_store_of_cells, priority=2)
+    app.connect("env-before-read-docs", spread_pages)
     app.connect("build-finished", copy_mathjax)

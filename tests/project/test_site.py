@@ -78,16 +78,22 @@ def test_the_page_of_words_has_what_people_type_and_calls_that_are_there() -> No
             assert keyword in inspect.signature(function).parameters, (name, keyword)
 
 
-def test_a_machine_in_motion_is_a_picture_in_xml(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_machine_in_motion_is_a_picture_in_xml(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     pytest.importorskip("sphinx")
     monkeypatch.syspath_prepend(DOCS / "_extensions")
-    from moving_pictures import FRAMES, drawings
+    import moving_pictures
 
+    monkeypatch.setattr(moving_pictures, "MOVING", tmp_path)
     run = linkwright.load("four_bar", scene="kinematics").kinematics(1.0)
-    moving, still = (ElementTree.fromstring(text) for text in drawings(run, 0.0, 1.0, 3.0))
+    moving_pictures.save("four_bar", run)
+    files = (tmp_path / f"four_bar{ending}.svg" for ending in ("", "-still"))
+    moving, still = map(ElementTree.parse, files)
     turns = moving.findall(".//*[@type='rotate']")
     assert turns
-    assert all(len(turn.attrib["values"].split(";")) == FRAMES for turn in turns)
+    frames = moving_pictures.FRAMES
+    assert all(len(turn.attrib["values"].split(";")) == frames for turn in turns)
     ends = [[float(value) for value in turn.attrib["values"].split(";")][::120] for turn in turns]
     assert max(abs(last - first) for first, last in ends) == pytest.approx(360, abs=0.02)  # crank
     assert not still.findall(".//*[@attributeName]")
