@@ -35,10 +35,14 @@ def outline_problem(outline: Outline, defaults: Defaults) -> str | None:
         for one in (outline, *outline.holes)
     )
     why = shapely.is_valid_reason(shapely.Polygon(shell, holes))
-    return (
-        None if why == "Valid Geometry" else
-        f"{why}, in m; give lines round areas that do not cross, holes within the outline."
-    )  # fmt: skip
+    if why == "Valid Geometry":
+        return None
+    place = ", ".join(f"{float(x):.4g}" for x in why.partition("[")[2].rstrip("]").split())
+    whole, *inner = map(shapely.Polygon, (shell, *holes))
+    fits = [hole.is_valid and whole.is_valid and whole.contains_properly(hole) for hole in inner]
+    what = "two holes meet" if all(fits) else f"hole {fits.index(False) + 1} is not within it"
+    what = what if whole.is_valid else "its line crosses itself or bounds no area"
+    return f"{what} at ({place}) m; give lines round areas that do not cross."
 
 
 def area_properties(outline: Outline, defaults: Defaults) -> Area:

@@ -57,8 +57,12 @@ def read_outline(file: str | Path, layer: str | None = None, unit: str | None = 
         If ezdxf, shapely or svgelements is not installed.
     """
     path = Path(file)
-    reader = {".dxf": _of_dxf, ".svg": _of_svg}.get(path.suffix.lower())
-    if reader is None or not path.is_file():
+    readers = {".dxf": _of_dxf, ".svg": _of_svg}
+    reader = readers.get(path.suffix.lower())
+    if not path.is_file():
+        beside = [one.name for one in path.parent.glob("*.*") if one.suffix.lower() in readers]
+        raise ModelError(f"There is no file {shown(str(path))}; {nearest(path.name, beside)}")
+    if reader is None:
         raise ModelError(f"{shown(str(path))} is no file that ends in .dxf or .svg.")
     try:
         strands, own = reader(path, layer)

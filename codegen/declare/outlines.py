@@ -6,6 +6,7 @@ line, 1 of a half circle that lies to the right of the way along its chord.
 
 from collections.abc import Mapping
 from importlib import import_module
+from importlib.util import find_spec
 from math import atan, ceil, cos, pi, sin
 from typing import Any, Self
 
@@ -31,10 +32,10 @@ def library(name: str) -> Any:
     try:
         return import_module(name)
     except ImportError as error:
+        missing = [one for one in ("ezdxf", "shapely", "svgelements") if find_spec(one) is None]
         raise InputError(
-            f"Outlines need the library {name.partition('.')[0]}, which cannot be imported "
-            f"({error}). Run pip install 'linkwright[shapes]', in the checkout pip install "
-            "'.[shapes]'."
+            f"Outlines need {', '.join(missing or [name])}, which cannot be imported ({error}). "
+            "Run pip install 'linkwright[shapes]', in the checkout pip install '.[shapes]'."
         ) from error
 
 
@@ -57,6 +58,10 @@ class Outline(tuple[Corner, ...]):
         self = super().__new__(cls, flattened(vertices, bulges) if drawn is None else drawn)
         self.vertices, self.bulges, self.holes = vertices, bulges, holes
         return self
+
+    def __repr__(self) -> str:
+        """How many edges and holes."""
+        return f"Outline({len(self.vertices)} edges, {len(self.holes)} holes)"
 
     def with_holes(self, *holes: Any) -> "Outline":
         """The same outline with more holes: outlines, or lists of corners."""

@@ -70,9 +70,12 @@ class MovingBodies(Constraints):
                 self._note(f"{where} has a density or a thickness, but no outline; give outline=.")
             return self._declare(Body(name, m, j, self.token, outlines=polygons))
         if inertia is not None or (density is None) != (thickness is None) or None not in (m, rho):
+            absent = f"{'density' if density is None else 'thickness'}= is missing"
+            why = absent if None in (m, rho) else "mass= and density= are both given"
+            why = why if inertia is None else "inertia= is given as well"
             self._note(
-                f"{where}: the inertia follows from its outline; give thickness= and density= "
-                "beside it, or mass=, or for the picture alone draw= in place of outline=."
+                f"{where}: {why}; the inertia follows from its outline: give thickness= and "
+                "density= beside it, or mass=, or for the picture alone draw= in place of outline=."
             )
         read = self._plate(outline, f"{where}: outline")
         if read is None:

@@ -14,6 +14,7 @@ from codegen.declare.state import Clock, State, Trigger
 from codegen.declare.symbols import Parameter, ParameterDeclaration, SignRule, Velocity
 from codegen.errors import TableWarning
 from codegen.model.base import Declarations
+from codegen.readers import quantities
 from codegen.readers.quantities import converted, is_si_unit, known_unit, si_factor, si_unit
 from codegen.readers.values import one_line, shown
 from codegen.tables.period import misfit, with_closing_row
@@ -64,7 +65,7 @@ class Values(Declarations):
         ----------
         value
             The default: a number in `unit`, or a text such as ``"45 mm"`` or a pint quantity that
-            converts to it.
+            converts to it; without `unit` a text brings its own.
         unit
             Such as ``"kg m^2"`` or ``"mm"``; empty for a pure number. It is the unit of this number
             alone: equations, results and numbers given at run time are in SI.
@@ -77,6 +78,8 @@ class Values(Declarations):
             unit = str(unit)
         label: object = unit
         unit = " ".join(label.split()) if isinstance(label, str) else unit
+        if unit == "" and isinstance(value, str):
+            unit = ((quantities.QUANTITY.fullmatch(value) or ["", "", ""])[2] or "").strip()
         sign = self._read.choice(sign, ("", "positive", "nonnegative"), f"{where}, sign")
         if not known_unit(unit):
             what = shown(unit)

@@ -19,6 +19,7 @@ from codegen.readers.values import one_line, shown
 
 Class = TypeVar("Class", bound=type[Any])
 Function = TypeVar("Function", bound=Callable[..., Any])
+_LIKE = {"start": "guess"}  # a word → the one that a callable takes which does not take it
 _SHOWN = 40  # layout: characters of an argument in a message
 
 
@@ -35,7 +36,7 @@ def wrong_call(
     near = [
         f"{one_line(word, _SHOWN)}: did you mean {found[0]}?"
         for word in words
-        if word not in known and (found := get_close_matches(word, known, n=1))
+        if word not in known and (found := get_close_matches(_LIKE.get(word, word), known, n=1))
     ]
     return " ".join([text, *near])
 

@@ -8,10 +8,11 @@ declarations read quantities.
 import math
 import re
 import sys
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from codegen.errors import ModelError
+from codegen.errors import InputError, ModelError
 from codegen.readers.values import KindError, finite_float, one_line, plain_float, shown
 
 if TYPE_CHECKING:
@@ -226,6 +227,17 @@ def converts(given: str, unit: str) -> bool:
     except UnitError:
         return False
     return True
+
+
+def fitting_units(own: dict[str, str], unit: str | Sequence[str]) -> dict[str, str]:
+    """The first unit asked for that fits each series, by name, or else its own; InputError."""
+    units = [unit] if isinstance(unit, str) else [*unit]
+    shown = {n: next((u for u in units if converts(of, u)), of) for n, of in own.items()}
+    for wanted in units:
+        if wanted not in shown.values():
+            known = ", ".join(f"{name} ({of or 1})" for name, of in own.items())
+            raise InputError(f"unit {wanted!r} fits none of {known}; leave it out.")
+    return shown
 
 
 def _measured(values: Any, unit: str) -> Any:

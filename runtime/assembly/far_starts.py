@@ -13,7 +13,7 @@ import numpy as np
 from runtime.assembly.start_values import Start
 from runtime.mechanism.dense_equations import Equations, FloatArray
 
-_TURNED = 0.5 * np.pi  # accuracy: rad; a body that turns by more is far from its guess
+TURNED = 0.5 * np.pi  # accuracy: rad; a body that turns by more is far from its guess
 _STAYED = 0.05  # measured: rad; where no body turns by more, no loop changes its form
 # measured: determinant, rows of length 1, over that at the start; a guess with a smaller one is
 # near to both forms of its loop
@@ -41,7 +41,7 @@ def note_on_start(
         )
 
     parts = []
-    if far := np.flatnonzero(turned > _TURNED).tolist():
+    if far := np.flatnonzero(turned > TURNED).tolist():
         parts.append(f"Closing the joints turns by more than a right angle: {said(far)}.")
     for loop in _mirrored_loops(equations, t, start, q, scale):
         angles = [k for k in loop if is_angle[k]]

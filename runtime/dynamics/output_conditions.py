@@ -51,14 +51,19 @@ def read_conditions(description: Description, until: Any) -> tuple[OutputConditi
             f"{title}: until={shown(until)} names no condition; write "
             'until={"overload": ("hinge.fx", ">", 500.0)}, or leave it out.'
         )
+    reconnects = any(row.reconnects for row in description.watched)  # joints have other series
+    find = description.series.get if reconnects else description.series.find
     for name, one in until.items():
         listed = isinstance(one, tuple | list) and len(one) == 3
         series, sign, value = tuple(one) if listed else (None, None, None)
-        row = description.series.get(series) if isinstance(series, str) else None
         try:
+            row = find(series) if isinstance(series, str) else None
             number = finite_in_unit(value, row.unit if row else "")
         except UnitError as misfit:
             problems.append(f"{title}: until={name}, {series}: {misfit}")
+            continue
+        except InputError as error:
+            problems += error.problems
             continue
         signed = isinstance(sign, str) and sign in _SIGNS
         fits = isinstance(name, str) and name and isinstance(series, str) and signed
@@ -76,12 +81,6 @@ def read_conditions(description: Description, until: Any) -> tuple[OutputConditi
             )
         else:
             found.append(OutputCondition(name, series, _SIGNS[sign], number))
-    if not any(row.reconnects for row in description.watched):  # other joints have other series
-        for condition in found:
-            try:
-                description.series.find(condition.series)
-            except InputError as error:
-                problems += error.problems
     if problems:
         raise InputError(problems)
     return tuple(found)

@@ -275,6 +275,6 @@ def unknown(what: str, name: object, names: Iterable[str]) -> str:
     names = tuple(names)
     near = get_close_matches(name, names, n=3, cutoff=0.5) if isinstance(name, str) else []
     if near:
-        return f"There is no {what} {shown(name)}; nearest: {', '.join(near)}."
+        return f"There is no {what} {shown(name)}; nearest: {' or '.join(near)}."
     listed = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
     return f"There is no {what} {shown(name)}; there are: {listed or 'none'}."

@@ -15,6 +15,7 @@ import numpy as np
 from codegen.errors import InputError
 from codegen.files.whole_files import require_replaceable, whole_file, whole_folder
 from codegen.object_display import without_rounding
+from codegen.readers.quantities import fitting_units
 from runtime.results.dataset import dataset
 from runtime.results.result import Result
 from runtime.results.samples import FloatArray
@@ -114,7 +115,7 @@ def frame(result: Result) -> "pd.DataFrame":
     return found
 
 
-def short_table(result: Result, names: Sequence[str], count: int) -> "pd.DataFrame":
+def short_table(result: Result, names: Sequence[str], count: int, unit: Any) -> "pd.DataFrame":
     """See `Result.table`."""
     import pandas as pd
 
@@ -122,10 +123,11 @@ def short_table(result: Result, names: Sequence[str], count: int) -> "pd.DataFra
     names = names or [*(row.name for row in about.positions), *about.states.names]
     rows = np.unique(np.linspace(0, last, max(count, 2)).round().astype(int))[: last + 1]
     found = dict[str, list[float]]()
+    shown = fitting_units({name: result.series(name)[1] for name in names}, unit)
     for name in names:
-        x, unit = result.series(name)
+        x, of = result.series(name, shown[name])
         ends = [x.min(), x.max()] if len(x) else []
-        found[f"{name} [{unit}]"] = without_rounding([*x[rows], *ends])
+        found[f"{name} [{of}]"] = without_rounding([*x[rows], *ends])
     labels = [f"{t:.6g}" for t in result.t[rows]] + ["least", "greatest"][: 2 * len(rows)]
     return pd.DataFrame(found, pd.Index(labels, name="time [s]"))
 

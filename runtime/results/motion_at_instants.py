@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
+from codegen.readers.quantities import in_unit
 from codegen.readers.values import shown
 from runtime.core.arrays import EPS
 from runtime.results.assembled_state import DiscreteState, State
@@ -156,9 +157,11 @@ def _span(result: "Result", motion: Motion) -> tuple[float, float]:
     return first, float(result.t[-1]) if result.failed and len(result.t) else last
 
 
-def finite_numbers(given: Any) -> FloatArray | None:
-    """A number, or some in one dimension, (k,); None where any is none or not finite."""
+def finite_numbers(given: Any, unit: str = "") -> FloatArray | None:
+    """Numbers, or texts such as "20 ms" in a unit, (k,); None where any is none or not finite."""
     try:
+        if unit and isinstance(given, str | list | tuple):
+            given = [in_unit(one, unit) for one in ([given] if isinstance(given, str) else given)]
         found = np.asarray(None if np.ma.is_masked(given) else given)
     except Exception:  # of an array of another library as well
         return None
@@ -168,7 +171,7 @@ def finite_numbers(given: Any) -> FloatArray | None:
 
 def _instants(title: str, t: Any) -> FloatArray:
     """Finite instants in any order, (k,)."""
-    found = finite_numbers(t)
+    found = finite_numbers(t, "s")
     if found is None:
         raise InputError(
             f"{title}: t is {shown(t)}; it must be an instant in s, or some of them in one "

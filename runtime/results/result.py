@@ -153,19 +153,19 @@ class Result(ResultFigures):
 
         return frame(self)
 
-    def table(self, *names: str, count: int = 11) -> "pd.DataFrame":
+    def table(self, *names: str, count: int = 11, unit: Any = ()) -> "pd.DataFrame":
         """Series at a few instants, then the least and greatest value of all samples, to read.
 
         Parameters
         ----------
         names
             As in `series`; without any, the coordinates and states. A column names its unit.
-        count
-            How many instants, in s, from the first sample to the last.
+        count, unit
+            How many instants, in s, from the first sample to the last; units as in `plot`.
         """
         from runtime.results.export import short_table
 
-        return short_table(self, names, count)
+        return short_table(self, names, count, unit)
 
     @readers.reads(path=readers.path)
     def save(self, path: str | os.PathLike[str]) -> Path:

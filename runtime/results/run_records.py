@@ -44,8 +44,9 @@ class Event(NamedTuple):
         State, shape (n,); after an impact, the velocities that it leaves.
     word
         Of contacts and stops "touches", "leaves", "rests"; of a gap that closes or opens while a
-        damper keeps it from pushing, "closes", "opens"; of frictions "sticks", "slips", "reverses";
-        of one-way clutches without a capacity "overruns", "grips", "strikes"; empty for others.
+        damper keeps it from pushing, "closes", "opens", and in flight of the sign of what it would
+        exert, "approaches", "recedes"; of frictions "sticks", "slips", "reverses";
+        of one-way clutches "overruns", "grips", "strikes", "slips"; empty for others.
     impulse
         Where the rate of a law jumps: component of a reaction, as `drive.fx`, → impulse of that
         joint or driver, N s or N m s. None for others.
@@ -163,14 +164,13 @@ def shares(direction: Mapping[str, float]) -> str:
     return ", ".join(texts[:_MOST]) + (f" and {rest} more" if rest > 0 else "")
 
 
-_CONTACTS = ("contact", "stop", "clearance joint", "gear with backlash")  # springs along gaps
+_CONTACTS = ("contact", "stop", "clearance joint", "gear with backlash", "elastic belt")
 _RIGID = {
     Direction.BEGAN: "leaves", Direction.CEASED: "touches", Direction.HOLDS: "rests",
     Direction.IMPACT: "touches",
 }  # fmt: skip
-_FREEWHEEL = {
-    Direction.BEGAN: "overruns", Direction.HOLDS: "grips", Direction.IMPACT: "strikes",
-}  # fmt: skip
+_FREEWHEEL = {Direction.BEGAN: "overruns", Direction.HOLDS: "grips", Direction.IMPACT: "strikes"}
+_SLIPPING = {Direction.BEGAN: "slips", Direction.CEASED: "overruns", Direction.HOLDS: "grips"}
 _WORD = re.compile(r"\w+")
 
 
@@ -202,6 +202,7 @@ def event_words(
     stuck = {k: mode == SLIDING for k, mode in enumerate(modes)}
     holds = {k: mode != 0 for k, mode in enumerate(modes)}
     sides, words = _sides(description), []
+    clutches = {row.name for row in description.effects if row.kind == "one-way clutch"}
 
     def pushes(side: tuple[int, ...]) -> bool:
         return all(holds.get(k, False) for k in side)
@@ -213,6 +214,8 @@ def event_words(
             word = _RIGID.get(Direction(direction), "")
         elif row is not None and row.one_way:
             word = _FREEWHEEL.get(Direction(direction), "")
+        elif row is not None and row.name in clutches:
+            word = _SLIPPING.get(Direction(direction), "")
         elif row is not None and row.sticks:
             held, stuck[k] = stuck.get(k, False), direction == Direction.HOLDS
             word = "sticks" if stuck[k] else "slips" if held else "reverses"
@@ -224,6 +227,8 @@ def event_words(
                 word = "leaves" if pushed else "touches"
             elif k == side[0]:
                 word = "closes" if holds[k] else "opens"
+            else:  # its damper, in flight
+                word = "approaches" if holds[k] else "recedes"
         words.append(word)
     return words
 

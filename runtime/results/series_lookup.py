@@ -280,9 +280,9 @@ class TimeSeries:
         """
         return self._called("gap", effect, component, unit)
 
-    def penetration(self, effect: str, component: str = "") -> FloatArray:
+    def penetration(self, effect: str, component: str = "", unit: str = "") -> FloatArray:
         """Penetration of a contact that yields, in m, 0 where it is open; ``penetration(NAME)``."""
-        return self._called("penetration", effect, component)
+        return self._called("penetration", effect, component, unit)
 
     def potential(self, effect: str, unit: str = "") -> FloatArray:
         """Potential energy of an effect over time, in J; an output ``potential(NAME)``."""

@@ -22,8 +22,9 @@ from codegen.drawing.picture import (
 from codegen.drawing.shapes import changed
 from codegen.errors import InputError
 from codegen.presentation import new_figure
-from codegen.readers.quantities import converts
+from codegen.readers.quantities import fitting_units
 from runtime.mechanism.mechanism import Mechanism, sibling_named
+from runtime.mechanism.table_rows import TRACKED
 from runtime.results.motion_at_instants import for_curves
 
 if TYPE_CHECKING:
@@ -176,9 +177,10 @@ def plot(result: "Result", names: Sequence[str] = (), unit: str | Sequence[str] 
     paths, y over x in equal axes, in a panel below.
     """
     result = for_curves(result)
-    rows, tracked = result.description.positions, result.description.tracked
+    rows, left_out = result.description.positions, result.description.left_out
+    tracked = {*result.description.tracked, *(r.name for r in left_out if r.kind == TRACKED)}
     chosen = names or [r.name for r in rows if r.is_angle] or [r.name for r in rows]
-    shown = _units_of({n: "m" if n in tracked else result.series(n)[1] for n in chosen}, unit)
+    shown = fitting_units({n: "m" if n in tracked else result.series(n)[1] for n in chosen}, unit)
     panels: dict[str, list[str]] = {}  # unit → names
     for name in chosen:
         if name not in tracked:
@@ -203,14 +205,3 @@ def plot(result: "Result", names: Sequence[str] = (), unit: str | Sequence[str] 
         axis.grid(visible=True, alpha=0.3)
     axes[0].set_title(result.description.title, loc="left")
     return drawn
-
-
-def _units_of(own: dict[str, str], unit: str | Sequence[str]) -> dict[str, str]:
-    """The unit in which each series is drawn, by those of its own, and those that are asked for."""
-    units = [unit] if isinstance(unit, str) else [*unit]
-    shown = {n: next((u for u in units if converts(of, u)), of) for n, of in own.items()}
-    for wanted in units:
-        if wanted not in shown.values():
-            known = ", ".join(f"{name} ({of or 1})" for name, of in own.items())
-            raise InputError(f"plot: unit {wanted!r} fits none of {known}; leave it out.")
-    return shown

@@ -12,6 +12,7 @@ import numpy as np
 from codegen.errors import AnalysisError
 from codegen.readers.calls import checked_class
 from runtime.assembly.assemble import assemble
+from runtime.assembly.far_starts import TURNED
 from runtime.assembly.redundancy import redundancy_note, suited_equations
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.checks.finite_results import end_before_infinite
@@ -23,24 +24,11 @@ from runtime.mechanism.module_tables import Description
 from runtime.progress_bar import Progress, silent
 from runtime.results.result import Result
 from runtime.results.samples import plain
-from runtime.statics.energy_minimisation import (
-    RestPosition,
-    StaticEquations,
-    minimise,
-    polish,
-)
-from runtime.statics.states_at_rest import (
-    StatesAtRest,
-    find_rest,
-    free_states,
-    require_expressions,
-)
+from runtime.statics.energy_minimisation import RestPosition, StaticEquations, minimise, polish
+from runtime.statics.states_at_rest import StatesAtRest, find_rest, free_states, require_expressions
 from runtime.validation.arguments import parameter_values, require_masses
 from runtime.validation.finite_equations import left_tables, name_left_tables
-from runtime.validation.scene_support import (
-    require_no_rigid,
-    require_no_sticking,
-)
+from runtime.validation.scene_support import require_no_rigid, require_no_sticking
 
 _FLAT = 1e-8  # accuracy: part of the largest stiffness; a smaller one is indifferent
 
@@ -164,7 +152,7 @@ class Equilibrium(Result):
         return f"{super().__repr__()}\n  equilibrium  {self.stability}{tail}"
 
     def __getitem__(self, name: str) -> float:  # type: ignore[override]
-        """Value of a series by name, in SI units: a coordinate, a state, a reaction."""
+        """A number in SI units, that of a series by name; methods return arrays of one value."""
         return float(self.series(name)[0][0])
 
     def facts(self) -> dict[str, Any]:
@@ -221,9 +209,8 @@ def equilibrium(
         judged = Judgement(Stability.UNKNOWN, np.full(len(position.gradient), np.nan))
     modes = equations.rest_modes(t, position.q)[None, :]
     samples = evaluate(
-        equations, np.array([float(t)]), position.q[None],
-        equations.still[None].copy(), modes,
-    )  # fmt: skip
+        equations, np.array([float(t)]), position.q[None], equations.still[None].copy(), modes
+    )
     stats["wall_seconds"] = clock.perf_counter() - began
     at_rest = states is None or states.balanced
     if states is not None and position.balanced:
@@ -232,6 +219,11 @@ def equilibrium(
         kink = "" if position.balanced else kink_at_rest(equations, start, end)
         text = f"No equilibrium found. {kink}"
         message = text if kink else _message(description, position, judged, ran)
+    moved = zip(description.coordinates, np.abs(position.q - start.q), strict=True)
+    turns = ((turn, row.name[:-4]) for row, turn in moved if row.is_angle and method == "energy")
+    if (turn := max(turns, default=(0.0, "")))[0] > TURNED:
+        message += f" {turn[1]} turned by {np.degrees(turn[0]):.0f}° from its guess; another rest "
+        message += 'may be nearer: method="settling".'
     result = Equilibrium(
         description, samples, p, judged=judged, statics=statics, position=position,
         outcome=Outcome.OK if position.balanced and at_rest else Outcome.UNBALANCED,

@@ -37,7 +37,7 @@ _number_of_them = count(2, 10**9)
 
 def instants(t_eval: npt.ArrayLike) -> Instants:
     """The output instants as an array, checked."""
-    times = finite_numbers(t_eval)
+    times = finite_numbers(t_eval, "s")
     if times is None:
         raise AnalysisError(
             f"t_eval is {shown(t_eval)}; it must be instants in s: at least one finite instant, in "

@@ -111,12 +111,12 @@ def test_parameters_remain() -> None:
 @pytest.mark.parametrize(
     ("outline", "word"),
     [
-        ([(0, 0), (1, 1), (1, 0), (0, 1)], r"Self-intersection\[0.5 0.5\], in m; give lines"),
-        ([(0, 0), (1, 0), (2, 0)], "Self-intersection"),
+        ([(0, 0), (1, 1), (1, 0), (0, 1)], r"itself or bounds no area at \(0.5, 0.5\) m"),
+        ([(0, 0), (1, 0), (2, 0)], "crosses itself or bounds no area"),
         ([(0, 0), (1, 0)], "is no list of three corners or more"),
-        (rectangle(1, 1).with_holes(disc(0.2, (0.5, 0))), r"Self-intersection\[0.5 "),
-        (rectangle(1, 1).with_holes(disc(0.2, (2, 0))), r"Hole lies outside shell\[2.2 0\]"),
-        (rectangle(1, 1).with_holes(disc(0.2), disc(0.1)), "Holes are nested"),
+        (rectangle(1, 1).with_holes(disc(0.2, (0.5, 0))), r"hole 1 is not within it at \(0.5, "),
+        (rectangle(1, 1).with_holes(disc(0.2), disc(0.2, (2, 0))), r"hole 2 .* at \(2.2, 0\) m"),
+        (rectangle(1, 1).with_holes(disc(0.2), disc(0.1)), "two holes meet"),
         (7, "is no list of three corners"),
         ([(0, 0), (1, "a"), (2, 3)], "give numbers or expressions in m"),
     ],
@@ -248,3 +248,22 @@ def test_the_picture_shows_the_outline_with_its_holes() -> None:
         signed = (polygon.conj() * np.roll(polygon, -1)).imag.sum() / 2
         assert signed == pytest.approx(width * 0.6 - 2 * 24 * 0.01 * sin(2 * pi / 48))
         assert abs(picture.placed(polygon, 1)).min() == pytest.approx(0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("given", "word"),
+    [
+        ({"mass": 1.0, "density": 2.0}, "mass= and density= are both given"),
+        ({"thickness": 1.0}, "density= is missing"),
+        ({"density": 1.0}, "thickness= is missing"),
+        ({"mass": 1.0, "inertia": 1.0}, "inertia= is given as well"),
+    ],
+)
+def test_what_of_a_plate_is_missing_or_too_much(given: dict[str, float], word: str) -> None:
+    model = Model("m")
+    model.body("plate", outline=rectangle(1, 1).with_holes(disc(0.2)), **given)
+    assert word in model.problems[0]
+
+
+def test_an_outline_shows_itself_in_a_few_words() -> None:
+    assert repr(rectangle(1, 1).with_holes(disc(0.2))) == "Outline(4 edges, 1 holes)"

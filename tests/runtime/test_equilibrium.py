@@ -39,6 +39,9 @@ def test_redundant_cranks_hang_alike(library: Callable[..., Machine], method: st
 @METHODS
 def test_pendulum_from_afar_and_its_frequency(pendulum: Machine, method: str) -> None:
     rest = pendulum.equilibrium(method, guess={"bar.phi": 1.2})
+    assert ("bar turned by 159° from its guess; another" in rest.message) == (method == "energy")
+    with pytest.raises(InputError, match=r"start: did you mean guess\?"):
+        pendulum.equilibrium(start={"bar.phi": 1.2})  # type: ignore[call-arg]
     assert np.sin(rest["bar.phi"]) == pytest.approx(-1.0, abs=1e-14)
     assert rest.stable
     frequency = np.sqrt(2.0 * 9.81 / (0.5 + 2.0)) / (2.0 * np.pi)

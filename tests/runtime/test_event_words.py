@@ -117,7 +117,7 @@ def test_a_stop_touches_where_it_pushes_and_leaves_where_it_ceases_to(
     """With a damper the push ends before the gap opens, and its sign may change in flight."""
     monkeypatch.chdir(workshop)
     r = stopped(f"stopped_words_{damping:g}", damping=damping)
-    named = [event for event in r.events if event.word]
+    named = [event for event in r.events if event.word not in ("approaches", "recedes")]
     assert [event.word for event in named][:3] == (
         ["touches", "leaves", "opens"] if damping else ["touches", "leaves", "touches"]
     )
@@ -140,3 +140,18 @@ def test_rounding_is_shown_as_zero() -> None:
     assert without_rounding([-2.76e-76, 1.0, -0.0, 2e-9]) == [0.0, 1.0, 0.0, 2e-9]
     assert without_rounding([3e-20, 1e-20]) == [3e-20, 1e-20]
     assert np.isnan(without_rounding([np.nan, 1.0])[0])
+
+
+def test_no_event_of_a_damped_stop_or_a_clutch_with_a_capacity_is_a_formula(workshop: Path) -> None:
+    model, mass = block("plain_words")
+    disc = model.body("disc", mass=1.0, inertia=0.1)
+    model.revolute("hub", model.ground.at(0, 0), disc.at(0, 0))
+    model.stop("limit", mass.x, lower=-0.5, upper=0.5, stiffness=100.0, damping=4.0)
+    model.one_way_clutch("freewheel", driver=model.ground, driven=disc, capacity=1.0)
+    model.torque("shake", disc, value=2.0 * sin(2 * pi * t))
+    model.scene("runs", ["limit", "freewheel", "shake"], start={
+        mass.x: 0.0, mass.vx: 1.0, disc.phi: 0.0, disc.omega: -1.0
+    })  # fmt: skip
+    found = {*words(load(model, folder=workshop).simulate(3.0))}
+    assert {"limit approaches", "limit touches", "limit leaves", "freewheel overruns"} <= found
+    assert not [text for text in found if "hold" in text or "boundary" in text]

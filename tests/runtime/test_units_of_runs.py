@@ -13,7 +13,7 @@ import pytest
 from pint import get_application_registry
 from typer.testing import CliRunner
 
-from codegen import build
+from codegen import Model, build
 from codegen.errors import InputError
 from linkwright.cli.application import app
 from runtime import load, sweep
@@ -182,9 +182,40 @@ def test_plots_in_units(result: Result) -> None:
         drawn = axis.lines[0].get_ydata()
         np.testing.assert_allclose(drawn[-1], result.series(name, unit)[0][-1])
     assert result.plot(unit="deg").axes[0].get_ylabel() == "deg"
-    why = r"plot: unit 'kg' fits none of bob.x \(m\), bob.phi \(rad\); leave it out"
+    why = r"unit 'kg' fits none of bob.x \(m\), bob.phi \(rad\); leave it out"
     with pytest.raises(InputError, match=why):
         result.plot("bob.x", "bob.phi", unit=("mm", "kg"))
+    shown = result.table("bob.x", "bob.omega", unit=("mm", "rpm"))
+    assert [*shown] == ["bob.x [mm]", "bob.omega [rpm]"]
+    assert shown["bob.x [mm]"].iloc[0] == pytest.approx(1e3 * result["bob.x"][0])
+
+
+def test_instants_are_texts_too(machine: Machine) -> None:
+    r = machine.simulate("1 s", ["0.1 s", "200 ms"], progress=False)
+    assert r.t.tolist() == [0.1, 0.2]
+    assert r.at("0.15 s").t.tolist() == [0.15]
+    with pytest.raises(InputError, match="t is '2 kg'; it must be an instant in s"):
+        r.at("2 kg")
+
+
+def test_a_point_that_no_output_names_is_drawn(folder: Path) -> None:
+    r = load(str(folder / "press.py"), "driven", folder=folder).kinematics(0.5)
+    assert "tip" not in r.description.tracked
+    assert [axis.get_ylabel() for axis in r.plot("tip", unit="mm").axes] == ["y (mm)"]
+
+
+def test_a_condition_on_a_quantity_that_is_not_there_says_so(machine: Machine) -> None:
+    with pytest.raises(InputError, match="gravity") as caught:
+        machine.simulate(1.0, until={"hit": ("gravity.force", ">", "100 N")})
+    assert "pure number" not in str(caught.value)
+
+
+def test_a_text_brings_the_unit_of_a_parameter() -> None:
+    model = Model("texts")
+    model.parameter("density", "7.85 g/cm^3")
+    model.parameter("time", "4 s")
+    rows = model.parameters.values()
+    assert [(round(row.value, 9), row.unit) for row in rows] == [(7850.0, "kg/m^3"), (4.0, "s")]
 
 
 def test_commands_take_units(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
