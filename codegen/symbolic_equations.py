@@ -42,17 +42,17 @@ class SceneEquations:
         Parameter → its value in the scene, for ``M.subs(parameters)``.
     """
 
-    q: sympy.Matrix
-    v: sympy.Matrix
-    M: sympy.Matrix
-    Q: sympy.Matrix
-    Phi: sympy.Matrix
-    Phi_q: sympy.Matrix
-    nu: sympy.Matrix
-    gamma: sympy.Matrix
-    lam: sympy.Matrix
+    q: "sympy.Matrix"
+    v: "sympy.Matrix"
+    M: "sympy.Matrix"
+    Q: "sympy.Matrix"
+    Phi: "sympy.Matrix"
+    Phi_q: "sympy.Matrix"
+    nu: "sympy.Matrix"
+    gamma: "sympy.Matrix"
+    lam: "sympy.Matrix"
     constraints: tuple[tuple[str, str], ...]
-    parameters: dict[sympy.Symbol, float]
+    parameters: "dict[sympy.Symbol, float]"
 
     def _repr_latex_(self) -> str:
         """For notebooks: the matrices; of a large one its size, and how many entries it has."""

@@ -50,8 +50,8 @@ class Outline(tuple[Corner, ...]):
     holes: tuple["Outline", ...]
 
     def __new__(
-        cls, vertices: tuple[Corner, ...], bulges: tuple[float, ...] = (), *,
-        holes: tuple["Outline", ...] = (), drawn: tuple[Corner, ...] | None = None,
+        cls, vertices: "tuple[Corner, ...]", bulges: tuple[float, ...] = (), *,
+        holes: "tuple[Outline, ...]" = (), drawn: "tuple[Corner, ...] | None" = None,
     ) -> Self:  # fmt: skip
         """Straight edges unless bulges are given; `drawn` are other corners for pictures."""
         bulges = bulges or (0.0,) * len(vertices)
