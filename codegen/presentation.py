@@ -71,6 +71,9 @@ def new_figure(purpose: str, width: float, height: float, **options: Any) -> "Fi
     class NotebookFigure(Figure):
         """A figure that a notebook shows as a picture, once, unless it stands in a window."""
 
+        def __reduce__(self) -> Any:  # as a plain figure, whose class can be imported
+            return Figure.__new__, (Figure,), self.__getstate__()
+
         def _ipython_display_(self) -> None:
             from IPython import display
             from matplotlib import pyplot

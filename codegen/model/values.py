@@ -74,16 +74,14 @@ class Values(Declarations):
         """
         symbol = Parameter(str(name), real=True)
         where = f"parameter '{name}'"
-        if type(unit).__name__ == "Unit" and type(unit).__module__.startswith("pint"):
-            unit = str(unit)
-        label: object = unit
+        label: object = quantities.unit_text(unit)
         unit = " ".join(label.split()) if isinstance(label, str) else unit
         if unit == "" and isinstance(value, str):
             unit = ((quantities.QUANTITY.fullmatch(value) or ["", "", ""])[2] or "").strip()
         sign = self._read.choice(sign, ("", "positive", "nonnegative"), f"{where}, sign")
         if not known_unit(unit):
             what = shown(unit)
-            such = "'mm', 'rpm' or 'kg m^2'"
+            such = "'mm', 'N m' or 'rpm'"
             self._note(f"{where}: the unit {what} is not known; write one such as {such}.")
             unit = ""
         elif math.isnan(si_factor(unit)):

@@ -8,7 +8,6 @@ declarations read quantities.
 import math
 import re
 import sys
-from collections.abc import Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -38,6 +37,7 @@ _POWER = rf"(?:\^|\*\*) ?(?:{_EXPONENT}|[(] ?{_EXPONENT}(?: ?/ ?0?[1-9]\d?)? ?[)
 _TOKENS = re.compile(rf"(?:(?:{_NAME}|\b1\b|[)])(?: ?{_POWER})?(?![\d.]| ?\^| ?\*\*)|[ */·⋅(])+")
 # products of powers on both sides of strokes, what stands below one perhaps in brackets
 _FACTORS = rf"(?:{_NAME}|1)(?: ?{_POWER})?(?:(?: | ?[*·⋅] ?)(?:{_NAME})(?: ?{_POWER})?)*"
+_MISREAD = re.compile(r"\w*(?:Nm|number_meter|enzyme_unit)|\w?U|PS|petasiemens")  # not as meant
 _PLAIN = re.compile(rf"{_FACTORS}(?: ?/ ?(?:{_FACTORS}|[(]{_FACTORS}[)]))*")
 
 
@@ -67,7 +67,8 @@ def pint_form(unit: str) -> str:
     second one, so that they bind first.
     """
     text = " ".join(unit.split())
-    if not text or len(unit) > _LONGEST or not _TOKENS.fullmatch(text):
+    misread = any(map(_MISREAD.fullmatch, re.findall(_NAME, text)))
+    if misread or not text or len(unit) > _LONGEST or not _TOKENS.fullmatch(text):
         raise ValueError(unit)
     for mark, form in (("·", "*"), ("⋅", "*"), ("(", "(("), (")", "))"), ("/", ")/(")):
         text = text.replace(mark, form)
@@ -161,6 +162,21 @@ def in_unit(value: Any, unit: str) -> Any:
     return magnitude if hasattr(magnitude, "free_symbols") else plain_float(magnitude)
 
 
+def each_in_unit(values: Any, unit: str) -> Any:
+    """`in_unit` of one value, or of each in a list or an array."""
+    array = values.magnitude if is_quantity(values) else values
+    if array is values and getattr(getattr(array, "dtype", None), "kind", "") in {*"iuf"}:
+        return values
+    several = getattr(array, "ndim", int(isinstance(array, list | tuple))) == 1
+    return [in_unit(one, unit) for one in values] if several else in_unit(values, unit)
+
+
+def unit_text(unit: Any) -> Any:
+    """The text of a unit of pint; all else as it is."""
+    pint = sys.modules.get("pint")
+    return str(unit) if pint is not None and isinstance(unit, pint.Unit) else unit
+
+
 def finite_in_unit(value: Any, unit: str) -> float | None:
     """The same as a finite float; None for what is none. Raises `UnitError`."""
     try:
@@ -215,7 +231,7 @@ def converted(values: Any, given: str, unit: str) -> Any:
         raise
     except Exception as error:  # pint raises several kinds
         raise UnitError(
-            f"{shown(asked)} is no unit; write products of powers, such as kg m^2 or N m/rad."
+            f"{shown(asked)} is no unit; write products of powers, such as N m or kg m^2/s."
         ) from error
     return _converted(measured, unit)
 
@@ -229,9 +245,9 @@ def converts(given: str, unit: str) -> bool:
     return True
 
 
-def fitting_units(own: dict[str, str], unit: str | Sequence[str]) -> dict[str, str]:
+def fitting_units(own: dict[str, str], unit: Any) -> dict[str, str]:
     """The first unit asked for that fits each series, by name, or else its own; InputError."""
-    units = [unit] if isinstance(unit, str) else [*unit]
+    units = [unit_text(one) for one in (unit if isinstance(unit, list | tuple) else [unit])]
     shown = {n: next((u for u in units if converts(of, u)), of) for n, of in own.items()}
     for wanted in units:
         if wanted not in shown.values():
@@ -276,7 +292,7 @@ def _converted(quantity: Any, unit: str) -> Any:
 
 
 def _cycles_for_radians(value: Any, target: Any, unit: str) -> str | None:
-    """Why a quantity that counts cycles does not stand for one that counts radians, or None.
+    """Why a quantity of cycles does not stand for one of radians, or one for each angle, or None.
 
     SI calls both 1/s, and pint converts hertz to rad/s by the factor 1, and rpm to hertz by 2π/60.
     """
@@ -284,6 +300,8 @@ def _cycles_for_radians(value: Any, target: Any, unit: str) -> str | None:
     given = _exponent(roots, "radian")
     wanted = _exponent(registry().Quantity(1, target).to_root_units(), "radian")
     names = {registry().parse_unit_name(name)[0][1] for name, _ in value.unit_items()}
+    if given < 0 == wanted and value.check("[length]"):
+        return "is a length for each angle; give the length alone, of a lead that of one turn."
     is_rate = [*value.dimensionality] == ["[time]"]  # of which 1/min may mean revolutions
     per_cycle = {"hertz", "minute", "hour"} if is_rate else {"hertz"}
     counts = not names.isdisjoint(per_cycle) or _exponent(roots, "count")

@@ -36,7 +36,7 @@ from runtime.validation.arguments import read_instants, uniform
 
 Resumable = SimulatedMotion | JoinedMotion
 _READERS = {
-    "t_end": number("a finite number of seconds"), "t_eval": optional(read_instants),
+    "t_end": number("a finite number of seconds", unit="s"), "t_eval": optional(read_instants),
     "max_steps": optional(count(1)), "progress": flag,
 }  # fmt: skip
 _LIMITS = {Outcome.OK, Outcome.MAX_STEPS, Outcome.MEMORY, Outcome.INTERRUPTED}

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from codegen.readers.quantities import in_unit
+from codegen.readers.quantities import each_in_unit
 from codegen.readers.values import shown
 from runtime.core.arrays import EPS
 from runtime.results.assembled_state import DiscreteState, State
@@ -158,11 +158,9 @@ def _span(result: "Result", motion: Motion) -> tuple[float, float]:
 
 
 def finite_numbers(given: Any, unit: str = "") -> FloatArray | None:
-    """Numbers, or texts such as "20 ms" in a unit, (k,); None where any is none or not finite."""
+    """Numbers, quantities or texts in a unit, (k,); None where any is none or not finite."""
     try:
-        if unit and isinstance(given, str | list | tuple):
-            given = [in_unit(one, unit) for one in ([given] if isinstance(given, str) else given)]
-        found = np.asarray(None if np.ma.is_masked(given) else given)
+        found = np.asarray(None if np.ma.is_masked(given) else each_in_unit(given, unit))
     except Exception:  # of an array of another library as well
         return None
     fits = found.dtype.kind in "iuf" and found.ndim < 2 and found.size > 0

@@ -153,6 +153,7 @@ class Result(ResultFigures):
 
         return frame(self)
 
+    @readers.reads(count=readers.count(1))
     def table(self, *names: str, count: int = 11, unit: Any = ()) -> "pd.DataFrame":
         """Series at a few instants, then the least and greatest value of all samples, to read.
 

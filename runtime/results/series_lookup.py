@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from codegen.errors import InputError
 from codegen.readers.calls import checked_class
-from codegen.readers.quantities import converted, converts
+from codegen.readers.quantities import converted, converts, unit_text
 from codegen.readers.values import shown
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.series_table import Series, SeriesTable, UnnamedOutputError
@@ -389,7 +389,7 @@ class TimeSeries:
                     refusal = other
             if row is None:
                 raise refusal from None
-        if not unit:
+        if not (unit := unit_text(unit)):
             return values, row.unit
         if not converts(row.unit, unit):
             raise InputError(

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from codegen.readers.quantities import number_in
+from codegen.readers.quantities import each_in_unit
 from codegen.readers.values import KindError, shown
 from runtime.core.arrays import Vector
 from runtime.mechanism.mechanism import Mechanism
@@ -127,12 +127,11 @@ def read_members(
 
 def _column(values: npt.ArrayLike, unit: str) -> Vector:
     """A number in a unit or one dimension of finite ones; KindError says what is wrong with it."""
+    values = each_in_unit(values, unit)
     try:
         array = np.asarray(values)
     except (TypeError, ValueError):
         array = np.asarray(None)
-    if array.dtype.kind == "U":
-        array = np.array([number_in(text, unit) for text in array.flat]).reshape(array.shape)
     if array.dtype.kind not in "iuf":
         raise KindError(f"{shown(values)}; it must be numbers.")
     if array.ndim > 1 or array.size == 0:

@@ -16,7 +16,7 @@ from codegen.errors import AnalysisError, InputError, ParameterError
 from codegen.parameter_conditions import profile_problems, violated_conditions
 from codegen.readers import arguments as readers
 from codegen.readers.arguments import Reader, count, either, optional
-from codegen.readers.quantities import UnitError, finite_in_unit
+from codegen.readers.quantities import UnitError, finite_in_unit, is_quantity
 from codegen.readers.values import KindError, finite_float, is_flag, shown
 from runtime.core.kinds import ANALYSES, analysis_name, analysis_title
 from runtime.mechanism.dense_equations import Equations, FloatArray
@@ -84,7 +84,7 @@ def instants_of_motion(
             f'{analysis}: t_eval = "steps" has no meaning, as drivers prescribe the motion at '
             "every instant. Give instants, or how many."
         )
-    if isinstance(t_end, str):
+    if isinstance(t_end, str) or (is_quantity(t_end) and not np.ndim(t_end.magnitude)):
         t_end = readers.read_arguments(analysis, KINDS, {"t_end": t_end})["t_end"]
     last = None if is_flag(t_end) else finite_float(t_end)
     if last is None and t_end is not None:

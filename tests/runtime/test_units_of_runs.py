@@ -1,6 +1,7 @@
 """Values of a run with units, and results in the unit that is asked for."""
 
 import json
+import pickle
 import subprocess
 import sys
 from collections.abc import Callable
@@ -9,16 +10,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from pint import get_application_registry
 from typer.testing import CliRunner
 
 from codegen import Model, build
 from codegen.errors import InputError
+from codegen.readers.quantities import UnitError, in_unit
 from linkwright.cli.application import app
 from runtime import load, sweep
 from runtime.machine_facade import Machine
 from runtime.results.result import Result
+from runtime.sweeps.ensemble_arguments import read_members
 
 MODEL = """
 from codegen import Model, t
@@ -260,3 +264,64 @@ def test_runs_in_si_do_not_load_pint(folder: Path, machine: Machine) -> None:
     words = [sys.executable, "-c", code]
     done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
     assert (done.stdout.split(), done.stderr) == (["False"], "")
+
+
+def test_times_are_quantities(folder: Path, machine: Machine) -> None:
+    ms = u.Unit("ms")
+    driven = load(str(folder / "press.py"), "driven", folder=folder)
+    assert driven.kinematics(2000 * ms, 3, progress=False).t.tolist() == [0.0, 1.0, 2.0]
+    assert driven.kinematics([0 * ms, 500 * ms], progress=False).t.tolist() == [0.0, 0.5]
+    r = machine.simulate(0.1, np.array([0, 50, 100]) * ms, progress=False)
+    assert r.t.tolist() == [0.0, 0.05, 0.1]
+    assert r.at(np.array([5, 6]) * ms).t.tolist() == [0.005, 0.006]
+    assert r.state(5 * ms).t == 0.005
+    assert r.resume("200 ms", progress=False).t[-1] == 0.2
+    with pytest.raises(InputError, match="it must be instants in s"):
+        machine.simulate(0.1, np.array([0, 1]) * u.Unit("m"), progress=False)
+
+
+def test_columns_of_an_ensemble_are_quantities(machine: Machine) -> None:
+    cm, deg = u.Unit("cm"), u.Unit("deg")
+    columns: list[tuple[Any, list[float]]] = [
+        ([25 * cm, 30 * cm], [0.25, 0.3]), (np.array([25, 30]) * cm, [0.25, 0.3]),
+        (["25 cm", 0.3], [0.25, 0.3]), (np.array(["25 cm", 0.3], object), [0.25, 0.3]),
+        (pd.Series(["25 cm", "30 cm"]), [0.25, 0.3]), ((0.25, 0.3), [0.25, 0.3]),
+    ]  # fmt: skip
+    for given, metres in columns:
+        read = read_members(machine.mechanism, {"throw": given}, {"bob.phi": 180 * deg})
+        assert read.parameters["throw"] == pytest.approx(metres)
+        assert read.starts["bob.phi"] == pytest.approx([pi, pi])
+    for wrong in (["25", "30"], {0.25: 1}, np.array([[1, 2]]) * cm, [3 * deg]):
+        with pytest.raises(InputError, match=r"parameters\['throw'\]"):
+            read_members(machine.mechanism, {"throw": wrong}, None)
+
+
+@pytest.mark.parametrize("unit", ["Nm", "mNm", "kNm", "Nm/deg", "PS", "U/min"])
+def test_a_unit_that_pint_misreads_is_refused(unit: str) -> None:
+    model = Model("misread")
+    model.parameter("size", 3, unit=unit)
+    assert "write one such as 'mm', 'N m'" in model.problems[0]
+    with pytest.raises(UnitError, match="is no unit; write products of powers, such as N m"):
+        in_unit(f"3 {unit}", "N m")
+
+
+def test_a_lead_is_a_length() -> None:
+    for given in ("5 mm/turn", u.Quantity(5, "mm/turn")):
+        for needed in ("m", "mm"):
+            with pytest.raises(UnitError, match="is a length for each angle"):
+                in_unit(given, needed)
+    assert in_unit("5 mm/rad", "m/rad") == 0.005
+    assert in_unit("5 mm", "m") == 0.005
+
+
+def test_results_take_units_of_pint(result: Result) -> None:
+    mm = u.Unit("mm")
+    assert (result.q("bob.x", unit=mm) == result.q("bob.x", unit="mm")).all()
+    assert [*result.table("bob.x", unit=mm, count=3)] == ["bob.x [millimeter]"]
+    drawn = result.plot("bob.x", unit=mm)
+    assert pickle.loads(pickle.dumps(drawn)).axes[0].get_ylabel() == "millimeter"
+    with pytest.raises(InputError, match="unit 5 fits none of"):
+        result.plot("bob.x", unit=5)
+    for count in ("3", 2.5):
+        with pytest.raises(InputError, match=r"count is .* it must be a whole number"):
+            result.table("bob.x", count=count)
