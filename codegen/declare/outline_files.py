@@ -5,7 +5,7 @@ the outline, and the others are its holes.
 """
 
 from collections.abc import Callable, Iterable, Iterator
-from math import radians, tan
+from math import pi, radians, tan
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,7 +15,7 @@ from codegen.declare.outlines import Outline, flattened, library, numbers_of
 from codegen.drawing.plane_geometry import Points, area, pairs
 from codegen.errors import ModelError
 from codegen.readers.calls import declaring
-from codegen.readers.quantities import UnitError, converted
+from codegen.readers.quantities import UnitError, converted, finite_in_unit
 from codegen.readers.values import nearest, shown
 
 GAP = 1e-6  # accuracy: of the drawing's diagonal; ends of strands that are nearer meet
@@ -56,7 +56,7 @@ def read_outline(file: str | Path, layer: str | None = None, unit: str | None = 
     InputError
         If ezdxf, shapely or svgelements is not installed.
     """
-    path = Path(file)
+    path = Path(str(file))
     readers = {".dxf": _of_dxf, ".svg": _of_svg}
     reader = readers.get(path.suffix.lower())
     if not path.is_file():
@@ -71,9 +71,11 @@ def read_outline(file: str | Path, layer: str | None = None, unit: str | None = 
         raise ModelError(f"{path.name}, unit: {misfit}") from misfit
     if scale is None:
         raise ModelError(f"{path.name} does not say its unit; give unit='mm' or another one.")
+    gap = GAP * _diagonal(np.array([p for one in strands for p in one.points]))
+    strands = _distinct(strands, gap)
     if not strands:
         raise ModelError(f"{path.name} has no lines, arcs, circles or splines there.")
-    loops = [_outline(one, scale) for one in _loops(path.name, strands, scale)]
+    loops = [_outline(one, scale) for one in _loops(path.name, strands, scale, gap)]
     loops.sort(key=lambda one: -abs(area(numbers_of(tuple(one), {}))))
     return loops[0].with_holes(*loops[1:])
 
@@ -89,10 +91,19 @@ def _outline(strand: Strand, scale: float) -> Outline:
     return Outline(corners, bulges, drawn=tuple(drawn))
 
 
-def _loops(name: str, strands: list[Strand], scale: float) -> Iterator[Strand]:
+def _distinct(strands: list[Strand], gap: float) -> list[Strand]:
+    """Without those that are shorter than the gap or drawn twice, in either direction."""
+    found = dict[tuple[tuple[complex, ...], tuple[float, ...]], Strand]()
+    for one in strands:
+        back = tuple(one.points[::-1]), tuple(-bulge for bulge in one.bulges[::-1])
+        if back not in found and _diagonal(np.array(one.points)) > gap:
+            found[tuple(one.points), tuple(one.bulges)] = one
+    return [*found.values()]
+
+
+def _loops(name: str, strands: list[Strand], scale: float, gap: float) -> Iterator[Strand]:
     """Strands joined end to end until they are closed."""
     miner = library("ezdxf.edgeminer")
-    gap = GAP * _diagonal(np.array([p for one in strands for p in one.points]))
     edges = []
     for one in strands:
         first, last = one.points[0], one.points[-1]
@@ -118,8 +129,8 @@ def _loops(name: str, strands: list[Strand], scale: float) -> Iterator[Strand]:
 
 
 def _diagonal(points: Points) -> float:
-    """The diagonal of the box about points."""
-    return float(np.hypot(np.ptp(points.real), np.ptp(points.imag)))
+    """The diagonal of the box about points; 0 without one."""
+    return float(np.hypot(np.ptp(points.real), np.ptp(points.imag))) if len(points) else 0.0
 
 
 def _strand(corners: Iterable[tuple[float, float, float]], is_closed: bool = False) -> Strand:
@@ -136,9 +147,8 @@ def _of_dxf(path: Path, layer: str | None) -> tuple[list[Strand], float | None]:
         document = dxf.readfile(path)
     except (OSError, dxf.DXFError) as error:
         raise ModelError(f"{path.name} cannot be read as DXF: {error}") from error
-    wanted = [one for one in document.modelspace() if one.dxftype() in ("INSERT", *_DXF)]
-    flat = [*library("ezdxf.disassemble").recursive_decompose(wanted)]
-    flat = [one for one in flat if one.dxftype() in _DXF]
+    off = {row.dxf.name.lower() for row in document.layers if row.is_off() or row.is_frozen()}
+    flat = [*_visible(document.modelspace(), off - {(layer or "").lower()})]
     if layer is not None:
         names = {one.dxf.layer for one in flat}
         flat = [one for one in flat if one.dxf.layer.lower() == layer.lower()]
@@ -151,9 +161,25 @@ def _of_dxf(path: Path, layer: str | None) -> tuple[list[Strand], float | None]:
     return [_DXF[one.dxftype()](one, distance) for one in flat], unit
 
 
+def _visible(entities: Iterable[Any], off: set[str], around: str = "0") -> Iterator[Any]:
+    """What is drawn, on layers that are not off; of blocks layer 0 is that of the insert around."""
+    for one in entities:
+        if one.dxf.layer == "0":
+            one.dxf.layer = around
+        if one.dxf.layer.lower() in off or one.dxf.get("invisible", 0):
+            continue
+        if one.dxftype() == "INSERT":
+            for each in one.multi_insert():
+                yield from _visible(each.virtual_entities(), off, one.dxf.layer)
+        elif one.dxftype() in _DXF:
+            yield one
+
+
 def _arc(arc: Any, _: float) -> Strand:
     (x, y, _), (u, v, _) = arc.start_point, arc.end_point
     sweep = radians((arc.dxf.end_angle - arc.dxf.start_angle) % 360.0)
+    if min(sweep, 2.0 * pi - sweep) < GAP:
+        return _circle(arc, 0.0)
     return _strand([(x, y, tan(sweep / 4)), (u, v, 0.0)])
 
 
@@ -181,7 +207,7 @@ def _of_svg(path: Path, layer: str | None) -> tuple[list[Strand], float | None]:
     """The strands of an SVG file, y upwards, and the size of its pixels in m."""
     svg = library("svgelements")
     try:
-        root = svg.SVG.parse(str(path))
+        root = svg.SVG.parse(str(path), reify=False)
     except Exception as error:  # of the parser of XML, or of a number that is none
         raise ModelError(f"{path.name} cannot be read as SVG: {error}") from error
     groups = {
@@ -195,20 +221,30 @@ def _of_svg(path: Path, layer: str | None) -> tuple[list[Strand], float | None]:
         line for shape in drawn.select() if isinstance(shape, svg.Shape)
         for line in svg.Path(shape).as_subpaths() if len(line) > 1
     ]  # fmt: skip
-    width = str(root.values["attributes"].get("width", "")).strip()
-    unit = {"mm": 1e-3, "cm": 1e-2, "in": 0.0254}.get(width[-2:])
-    unit = None if unit is None else unit * float(width[:-2]) / float(root.width)
+    width, unit = str(root.values["attributes"].get("width", "")).strip().lower(), None
+    if width.endswith(("mm", "cm", "in")):
+        size = finite_in_unit(width, "m") or 0.0
+        if size <= 0.0:
+            raise ModelError(f"{path.name} is {shown(width)} wide; write a width such as '100mm'.")
+        unit = size / float(root.width)
     return [_svg_strand(svg.Path(line)) for line in lines], unit
 
 
 def _svg_strand(path: Any) -> Strand:
-    """A part of a path without gaps."""
-    rows = list[tuple[float, float, float]]()
+    """A part of a path without gaps, y upwards; arcs are those before its transform."""
+    m = path.transform
+    turned, mirrored = (complex(m.a + s * m.d, m.b - s * m.c) / 2 for s in (1, -1))
+    is_similar = min(abs(turned), abs(mirrored)) < GAP * max(abs(turned), abs(mirrored))
+    sign = 1 if abs(mirrored) > abs(turned) else -1
+    points, bulges = list[complex](), list[float]()
     for segment in path[1:]:  # behind the move to its start
         kind, at, bulge = type(segment).__name__, np.linspace(0, 1, 2), 0.0
-        if kind == "Arc" and abs(segment.rx - segment.ry) < GAP * segment.rx:
-            bulge = -tan(segment.sweep / 4)
+        if kind == "Arc" and is_similar and abs(segment.rx - segment.ry) < GAP * segment.rx:
+            bulge = sign * tan(segment.sweep / 4)
         elif kind not in ("Line", "Close"):
             at = np.linspace(0, 1, PARTS + 1)
-        rows += [(x, -y, bulge) for x, y in segment.npoint(at)[:-1].tolist()]
-    return _strand([*rows, (path[-1].end.x, -path[-1].end.y, 0.0)])
+        places = segment.npoint(at) @ [1, 1j]
+        places = turned * places + mirrored * places.conj() + complex(m.e, m.f)
+        points[-1:] = places.conj().tolist()
+        bulges += [bulge] * (len(at) - 1)
+    return Strand(points, bulges)

@@ -114,6 +114,18 @@ def polygon(corners: Any) -> Outline:
     return Outline(tuple((x, y) for x, y in read))
 
 
+def _measures(where: str, place: Any, *sizes: Any) -> list[Any]:
+    """x and y of a place, and sizes, which are more than 0, in m."""
+    try:
+        given = [*members(place, 2), *sizes]
+    except KindError:
+        raise ModelError(f"{where}: {shown(place)} is no place; write (0, 0).") from None
+    for size, read in zip(sizes, expressions_in("m", where, *given)[2:], strict=True):
+        if read.is_positive is False:
+            raise ModelError(f"{where}: a size is {shown(size)}; give one that is more than 0.")
+    return [in_unit(value, "m") for value in given]
+
+
 @declaring("bar")
 def bar(length: Any, width: Any, start: Corner = (0, 0), angle: Any = 0) -> Outline:
     """The outline of a bar with round ends, or of a slot.
@@ -127,7 +139,7 @@ def bar(length: Any, width: Any, start: Corner = (0, 0), angle: Any = 0) -> Outl
     angle
         Of the bar from the x' axis, rad.
     """
-    a, w, x, y = expressions_in("m", "bar", length, width, *start)
+    x, y, a, w = _measures("bar", start, length, width)
     (turn,) = expressions_in("rad", "bar", angle)
     c, s = sympy.cos(turn), sympy.sin(turn)
     corners = ((0, w / 2), (0, -w / 2), (a, -w / 2), (a, w / 2))
@@ -144,7 +156,7 @@ def disc(radius: Any, center: Corner = (0, 0)) -> Outline:
     radius, center
         In m, as of `polygon`.
     """
-    x, y, radius = (in_unit(length, "m") for length in (*center, radius))
+    x, y, radius = _measures("disc", center, radius)
     angles = (2.0 * pi * k / CORNERS for k in range(CORNERS))
     drawn = tuple((x + radius * cos(angle), y + radius * sin(angle)) for angle in angles)
     return Outline(((x + radius, y), (x - radius, y)), (1.0, 1.0), drawn=drawn)
@@ -159,6 +171,6 @@ def rectangle(width: Any, height: Any, center: Corner = (0, 0)) -> Outline:
     width, height, center
         Along x' and y', m, as of `polygon`.
     """
-    x, y, a, b = (in_unit(length, "m") for length in (*center, width, height))
+    x, y, a, b = _measures("rectangle", center, width, height)
     a, b = a / 2, b / 2
     return Outline(((x - a, y - b), (x + a, y - b), (x + a, y + b), (x - a, y + b)))

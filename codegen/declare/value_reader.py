@@ -211,7 +211,8 @@ class Reader:
     def condition(self, when: Any, where: str, label: str = "") -> Any:
         """A condition, whose events bear the label; None for one that always holds, or is none."""
         given: object = label
-        if label and (when is None or not isinstance(given, str)):
+        is_text = isinstance(given, str) and bool(label.partition(" / ")[0].strip())
+        if label and (when is None or not is_text):
             what = shown(given)
             self.note(f"{where}: label={what} names the events of when=; give both, in words.")
             label = ""

@@ -167,8 +167,13 @@ class MovingBodies(Constraints):
         """Closed polygons whose corners are numbers and parameters, m."""
         if given is None:
             return ()
+
+        def entries(of: Any) -> Any:
+            pierced = isinstance(of, Outline) and of.holes
+            return polygon_with_holes(of, self.defaults) if pierced else members(of)
+
         try:
-            rows = [members(row) for row in members(given)]
+            rows = [entries(row) for row in entries(given)]
             is_one = all(
                 len(row) == _PAIR and not isinstance(row[0], list | tuple | np.ndarray)
                 for row in rows

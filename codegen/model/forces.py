@@ -95,8 +95,8 @@ class Forces(Declarations):
             What the events of `when` are called.
         """
 
-    def label(self, condition: Any, words: str) -> None:
-        """Call the events of a condition by words, wherever it stands.
+    def label(self, condition: Any, words: str) -> Any:
+        """Call the events of a condition by words, wherever it stands; returns the condition.
 
         Parameters
         ----------
@@ -106,7 +106,8 @@ class Forces(Declarations):
             What happens where it begins to hold, and behind ``" / "`` where it ceases to, such as
             ``"exhaust valve opens / exhaust valve closes"``.
         """
-        self._read.condition(condition, f"label {shown(words)}", words)
+        self._read.condition(condition, f"label {shown(words)}", words or " ")
+        return condition
 
     @declares(Potential)
     def potential(self, name: str, energy: Any) -> Effect:

@@ -17,6 +17,7 @@ from runtime.validation.finite_equations import require_finite
 
 BoolArray = npt.NDArray[np.bool_]
 Key = TypeVar("Key")
+_NOISE = 1e-6  # accuracy: of the worst gap; smaller ones are rounding
 
 
 def why_open(task: Task, start: Start, q: FloatArray, drivers: BoolArray) -> AssemblyError:
@@ -98,7 +99,7 @@ def misses(task: Task, q: FloatArray, values: FloatArray, least: float, per: str
         f"{'driver' if element in description.drivers else 'joint'} {element} misses by "
         f"{miss:.4g} {unit}{per}"
         for place, ((element, unit), miss) in enumerate(worst)
-        if miss > least or place == 0
+        if miss > max(least, _NOISE * worst[0][1]) or place == 0
     )
 
 

@@ -150,3 +150,50 @@ model.scene("s", ["gravity"])
     assert {name for name in named if after[name] != named[name]} == {"link.dxf"}
     (old, new) = (one.model.bodies["link"].mass for one in (before, read_model(model)))
     assert new - old == pytest.approx(0.1 * 0.04 * 0.004 * 7850, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("shape", "expected"),
+    [
+        ('<rect transform="rotate(90)" x="10" y="20" width="30" height="40"/>', 1200.0),
+        ('<g transform="rotate(20)"><circle cx="10" cy="20" r="5"/></g>', 25 * pi),
+        ('<ellipse transform="rotate(20)" cx="10" cy="20" rx="5" ry="4"/>', 20 * pi),
+        ('<path transform="scale(2 1) rotate(30)" d="M5 0A5 5 0 0 1-5 0A5 5 0 0 1 5 0"/>', 50 * pi),
+        ('<path transform="scale(-1 1)" d="M5 0A5 5 0 0 1-5 0Z"/>', 12.5 * pi),
+    ],
+)
+def test_shapes_of_svg_below_any_transform(tmp_path: Path, shape: str, expected: float) -> None:
+    head = (
+        '<svg xmlns="http://www.w3.org/2000/svg" width="100MM" height="100MM" viewBox="0 0 50 50">'
+    )
+    path = tmp_path / "moved.svg"
+    path.write_text(f"{head}{shape}</svg>")
+    assert size(read_outline(path)) == pytest.approx(4e-6 * expected, rel=1e-5)
+    for width in ("abc", "0"):
+        path.write_text(f"{head}{shape}</svg>".replace('width="100', f'width="{width}', 1))
+        with pytest.raises(ModelError, match=f"moved.svg is '{width}mm' wide"):
+            read_outline(path)
+
+
+def test_dxf_as_it_is_seen(tmp_path: Path) -> None:
+    """A full circle as an arc, dust, a line drawn twice, layers of blocks and ones that are off."""
+    document = ezdxf.new()
+    space, block = document.modelspace(), document.blocks.new("part")
+    corners = [(-10, -10), (10, -10), (10, 10), (-10, 10)]
+    for k in range(4):
+        block.add_line(corners[k], corners[(k + 1) % 4])
+    block.add_line(corners[1], corners[0])
+    block.add_arc((0, 0), 5, 0, 360)
+    space.add_blockref("part", (0, 0), {"layer": "cut"})
+    for length in (0.0, 1e-6):
+        space.add_line((7, 7), (7 + length, 7), {"layer": "cut"})
+    space.add_circle((7, 7), 0, {"layer": "cut"})
+    space.add_circle((7, 7), 1, {"layer": "cut", "invisible": 1})
+    document.layers.add("off").off()
+    space.add_circle((7, 7), 1, {"layer": "off"})
+    document.saveas(tmp_path / "seen.dxf")
+    for layer in ("cut", None):
+        outline = read_outline(tmp_path / "seen.dxf", layer, "mm")
+        assert size(outline) == pytest.approx(1e-6 * (400 - 25 * pi), rel=1e-12)
+    hidden = read_outline(tmp_path / "seen.dxf", "off", "mm")
+    assert size(hidden) == pytest.approx(1e-6 * pi, rel=1e-12)

@@ -10,7 +10,7 @@ import pytest
 import sympy
 from numpy.testing import assert_allclose
 
-from codegen import Body, Model, Outline, alpha, bar, disc, rectangle
+from codegen import Body, Model, ModelError, Outline, alpha, bar, disc, read_outline, rectangle
 from codegen.declare.area_properties import area_properties, outline_problem
 from codegen.picture_at_start import declared_picture
 from codegen.reference import pages
@@ -267,3 +267,28 @@ def test_what_of_a_plate_is_missing_or_too_much(given: dict[str, float], word: s
 
 def test_an_outline_shows_itself_in_a_few_words() -> None:
     assert repr(rectangle(1, 1).with_holes(disc(0.2))) == "Outline(4 edges, 1 holes)"
+
+
+@pytest.mark.parametrize(
+    ("make", "word"),
+    [
+        (lambda: disc(-1), "disc: a size is -1; give one that is more than 0"),
+        (lambda: rectangle(0, 1), "rectangle: a size is 0"),
+        (lambda: bar(0.3, -0.1), "bar: a size is -0.1"),
+        (lambda: disc(1, center=3), "disc: 3 is no place"),
+        (lambda: rectangle(1, 2, 3), "rectangle: 3 is no place"),
+        (lambda: bar(1, 0.1, start=2), "bar: 2 is no place"),
+        (lambda: disc(None), "disc: .*None: give numbers or expressions in m"),
+        (lambda: read_outline(3), "There is no file '3'"),
+    ],
+)
+def test_measures_that_are_none(make: Any, word: str) -> None:
+    with pytest.raises(ModelError, match=word):
+        make()
+
+
+def test_an_outline_that_is_drawn_keeps_its_holes() -> None:
+    ring, model = disc(0.1).with_holes(disc(0.05)), Model("drawn")
+    (seen,) = model.body("seen", draw=ring).outlines
+    assert len(seen) > len(ring) + len(ring.holes[0])
+    assert model.body("both", draw=[ring, disc(0.02)]).outlines[0] == seen

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import sympy
 from codegen import Model
 from codegen.errors import AssemblyError, RedundancyError
 from runtime import load
+from runtime.assembly.open_joints import misses
 from runtime.assembly.redundancy import Dependency, dependent_rows
 from runtime.machine_facade import Machine
 from runtime.mechanism.table_rows import StartValue, Table
@@ -244,3 +246,13 @@ def test_assembly_is_the_nearest_position(free: Machine) -> None:
     phi = start["crank.phi"]
     assert distance(phi) < distance(phi + 0.01)
     assert distance(phi) < distance(phi - 0.01)
+
+
+def test_gaps_that_are_rounding_beside_the_worst_are_not_named() -> None:
+    rows = [SimpleNamespace(element=element) for element in ("spin", "R", "S")]
+    task: Any = SimpleNamespace(t=0.0, equations=SimpleNamespace(
+        description=SimpleNamespace(drivers={"spin"}, constraints=rows),
+        slopes=lambda t, q: None, row_units=lambda slopes: ["rad", "m", "m"],
+    ))  # fmt: skip
+    said = misses(task, np.zeros(1), np.array([0.8, 9e-10, 1e-3]), 1e-10)
+    assert said == "driver spin misses by 0.8 rad, joint S misses by 0.001 m"

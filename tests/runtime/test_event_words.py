@@ -155,3 +155,13 @@ def test_no_event_of_a_damped_stop_or_a_clutch_with_a_capacity_is_a_formula(work
     found = {*words(load(model, folder=workshop).simulate(3.0))}
     assert {"limit approaches", "limit touches", "limit leaves", "freewheel overruns"} <= found
     assert not [text for text in found if "hold" in text or "boundary" in text]
+
+
+def test_a_label_returns_its_condition_and_needs_words() -> None:
+    model, mass = block("returned_labels")
+    opens = mass.x > 0.3
+    assert model.label(opens, "valve opens") is opens
+    for words in ("", " / valve closes"):
+        model.label(opens, words)
+        assert "give both, in words" in model.problems[-1]
+    assert len(model.problems) == 2
