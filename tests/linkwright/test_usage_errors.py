@@ -114,7 +114,7 @@ def test_nonsense_is_answered_in_sentences(
 def test_no_words_are_answered_with_the_help() -> None:
     done = run()
     assert done.exit_code == 2
-    assert "Which effects a quantity needs" in done.stdout
+    assert "Find the effects that a quantity needs" in done.stdout
 
 
 @pytest.mark.parametrize(
