@@ -154,12 +154,8 @@ def least_gap(task: Task, row: int, q: FloatArray) -> float:
 
     The position moves on in halves of what is left of the gap.
     """
-    gap, offset, least, most = (
-        task.equations.constraints(task.t, q)[row],
-        np.zeros(task.equations.m),
-        0.0,
-        1.0,
-    )
+    gap, offset = task.equations.constraints(task.t, q)[row], np.zeros(task.equations.m)
+    least, most = 0.0, 1.0
     for _ in range(_HALVES):
         offset[row] = 0.5 * (least + most) * gap
         tried = _attempt(task._replace(offset=offset), q)
@@ -182,7 +178,10 @@ def _minimise(task: Task, origin: FloatArray, q: FloatArray, penalty: float) -> 
     damping = 1e-6
     current = residual(q)
     for _ in range(40):
-        step = _damped_step(weight, root * task.matrix(q), current, damping)
+        slopes = root * task.matrix(q)
+        if not np.isfinite(abs(slopes).sum()):  # where a root begins, no step is known
+            break
+        step = _damped_step(weight, slopes, current, damping)
         trial = q.copy()
         trial[free] += step * scale
         after = residual(trial)

@@ -51,7 +51,7 @@ def test_options(tmp_path: Path, options: list[str], expected: list[str]) -> Non
         ("raise SystemExit(3)\n", r"machine\.py, line 5: .* SystemExit: 3"),
         (
             "body = Model('m').body('a')\nif 1 < body.x < 2: pass\n",
-            r"machine\.py, line 6: .* TypeError: .*truth",
+            r"machine\.py, line 6: .*\(TypeError: .*truth",
         ),
         ("x = 1\n", r"machine\.py declares no model; assign the one to build to the name 'model'"),
         (
