@@ -180,7 +180,8 @@ def plot(result: "Result", names: Sequence[str] = (), unit: str | Sequence[str] 
     rows, left_out = result.description.positions, result.description.left_out
     tracked = {*result.description.tracked, *(r.name for r in left_out if r.kind == TRACKED)}
     chosen = names or [r.name for r in rows if r.is_angle] or [r.name for r in rows]
-    shown = fitting_units({n: "m" if n in tracked else result.series(n)[1] for n in chosen}, unit)
+    own = ("m" if str(n) in tracked else result.series(n)[1] for n in chosen)
+    shown = fitting_units(dict(zip(chosen, own, strict=True)), unit)
     panels: dict[str, list[str]] = {}  # unit → names
     for name in chosen:
         if name not in tracked:
