@@ -81,6 +81,21 @@ def interrupt():
     signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)
 
 
+def interrupt_fourth_call(monkeypatch, module, name):
+    """Ctrl-C comes with the fourth call of a function of a module; later calls take their time."""
+    original, calls = getattr(module, name), []
+
+    def interrupted(*arguments, **words):
+        calls.append(1)
+        if len(calls) == 4:
+            interrupt()
+        elif len(calls) > 4:
+            time.sleep(0.1)
+        return original(*arguments, **words)
+
+    monkeypatch.setattr(module, name, interrupted)
+
+
 def made_by_simulate(monkeypatch):
     """The members that are made by single runs from now on, one entry each."""
     original, calls = ensemble.simulate_joints, []
@@ -198,17 +213,7 @@ def test_an_interruption_keeps_what_is_done(compressor, monkeypatch, threads):
 
 def test_an_interruption_ends_single_runs_in_threads(monkeypatch):
     machine = load("quarter_car")
-    original, calls = ensemble.simulate_joints, []
-
-    def interrupted(*arguments, **words):
-        calls.append(1)
-        if len(calls) == 4:
-            interrupt()
-        elif len(calls) > 4:
-            time.sleep(0.1)
-        return original(*arguments, **words)
-
-    monkeypatch.setattr(ensemble, "simulate_joints", interrupted)
+    interrupt_fourth_call(monkeypatch, ensemble, "simulate_joints")
     name = machine.mechanism.description.parameters.names[0]
     usual = machine.mechanism.description.parameters[0].default
     given = {name: np.full(40, usual)}
@@ -349,17 +354,7 @@ def test_a_scene_that_suits_no_member_is_refused_once(model, scene, analysis, me
 
 @pytest.mark.parametrize("threads", [1, 2])
 def test_an_interruption_keeps_the_driven_motions_that_are_done(four_bar, monkeypatch, threads):
-    original, calls = prescribed_motion.kinematics, []
-
-    def interrupted(*arguments, **words):
-        calls.append(1)
-        if len(calls) == 4:
-            interrupt()
-        elif len(calls) > 4:
-            time.sleep(0.1)
-        return original(*arguments, **words)
-
-    monkeypatch.setattr(prescribed_motion, "kinematics", interrupted)
+    interrupt_fourth_call(monkeypatch, prescribed_motion, "kinematics")
     given = {"BC": np.full(40, 2.5)}
     found = four_bar.ensemble(
         1.0, 5, analysis="kinematics", parameters=given, threads=threads, progress=False
