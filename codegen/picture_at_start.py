@@ -27,27 +27,9 @@ def declared_picture(
     model: "Model", scene: Any = None, parameters: Mapping[str, float | str] | None = None,
     assembled: bool = True,
 ) -> Picture:  # fmt: skip
-    """What a declared mechanism looks like.
+    """What a declared mechanism looks like at t = 0 and rest; the words are those of `Model.draw`.
 
-    Parameters
-    ----------
-    model, scene
-        The declaration, and one of its scenes, by name or as a `Scene`; by default the first.
-    parameters
-        Values by name, in SI units or as texts, ``"45 mm"``, in place of the defaults.
-    assembled
-        Whether the joints are closed, from the start values and guesses on, where they can be;
-        False: the start values and guesses themselves, and whatever is open by them is open.
-
-    Returns
-    -------
-    Picture
-        At t = 0 and rest.
-
-    Raises
-    ------
-    ModelError, SceneError
-        With all problems of the declaration.
+    Raises ModelError or SceneError with all problems of the declaration.
     """
     declared = with_settings(model, parameters or {})
     chosen, *_ = valid_scenes(declared, None if scene is None else (scene,))

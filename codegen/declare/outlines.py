@@ -14,7 +14,7 @@ import numpy as np
 import sympy
 
 from codegen.declare.body import expressions_in
-from codegen.drawing.plane_geometry import Points
+from codegen.drawing.plane_geometry import Points, area
 from codegen.errors import InputError, ModelError
 from codegen.readers.calls import declaring
 from codegen.readers.expressions import plain_expression
@@ -90,6 +90,31 @@ def numbers_of(corners: tuple[Corner, ...], defaults: Defaults) -> Points:
         for corner in corners for e in corner
     ]  # fmt: skip
     return np.array(np.reshape(read, (-1, 2)) @ [1, 1j])
+
+
+def polygon_with_holes(outline: Outline, defaults: Defaults) -> tuple[Corner, ...]:
+    """Corners of an outline with holes as one closed polygon, as pictures draw it.
+
+    The polygon goes round the outline, along a bridge to a hole, round it the other way, and back.
+    Each hole is joined by the shortest way to what is joined already, so that no bridge leads over
+    another; bridges are chosen for the values of parameters.
+    """
+    joined, *left = ([*zip(one, numbers_of(tuple(one), defaults), strict=True)]
+                     for one in (outline, *outline.holes))  # fmt: skip
+    side = np.sign(area(np.array([place for _, place in joined])))
+    while left:
+        ways = []
+        for k, hole in enumerate(left):
+            gaps = abs(np.subtract.outer([z for _, z in joined], [z for _, z in hole]))
+            at, to = np.unravel_index(gaps.argmin(), gaps.shape)
+            ways.append((gaps[at, to], k, int(at), int(to)))
+        _, k, at, to = min(ways)
+        hole = left.pop(k)
+        hole = hole[to:] + hole[: to + 1]
+        if side == np.sign(area(np.array([place for _, place in hole]))):
+            hole.reverse()
+        joined[at : at + 1] = [joined[at], *hole, joined[at]]
+    return tuple(corner for corner, _ in joined)
 
 
 @declaring("polygon")

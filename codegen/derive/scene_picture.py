@@ -66,16 +66,9 @@ def scene_picture(
     ground: Body, bodies: Bodies, elements: Mapping[str, list[Element]],
     parameters: Mapping[str, float], known: frozenset[str],
 ) -> ScenePicture:  # fmt: skip
-    """The picture of a scene.
+    """The picture of the bodies that take part and of the elements that act, by their role.
 
-    Parameters
-    ----------
-    ground, bodies
-        The bodies that take part.
-    elements
-        Role ("joint", "driver", "force") → the elements that act.
-    parameters, known
-        Values of all parameters by name; those that the equations contain.
+    Of all parameters with their values the equations contain those that are `known`.
     """
     hubs = _hubs([e for e in elements["joint"] if e.kind == "revolute"])
     numbers = {body: k for k, body in enumerate((ground, *bodies))}

@@ -50,27 +50,10 @@ def figure(
     """Draw a picture, whose bodies all have outlines: see `body_outlines.complete_picture`.
 
     Places of a joint that do not coincide are joined by a dashed line that says how far they are
-    apart.
-
-    Parameters
-    ----------
-    dimensions
-        Distances between the places of each body, in m, to four digits.
-    forces
-        Arrows to scale, with the scale and values; otherwise arrows of one length say where forces
-        act, and which way.
-    frames
-        The axes x' and y' of bodies, and their centres of mass.
-    names
-        Names of bodies, joints, drivers and forces.
-    series
-        Reactions of joints, drivers and contacts by the names of their series: forces in N in the
-        joint's axes, and torques in N m, that act on its second body.
-
-    Raises
-    ------
-    InputError
-        If Matplotlib is not installed.
+    apart. The words are those of `Model.draw`; without `forces` arrows of one length say where
+    forces act, and which way. `series` are reactions of joints, drivers and contacts on the second
+    body by the names of their series: N in the joint's axes, and N m. Raises InputError where
+    Matplotlib is not installed.
     """
     series = series if forces else None
     scale = force_scale(picture, series) if forces else None

@@ -211,14 +211,8 @@ class Layout:
     ) -> Picture:
         """The picture in motion, without outlines that follow from joints, of size 1.
 
-        Parameters
-        ----------
-        t
-            Instants, s, (k,).
-        numbers
-            What the kernel `picture` writes at each, (k, slots).
-        curves
-            At a parameter of the curves, rad: x and y of the first, the second and so on, m.
+        At the instants t, s, (k,), the kernel `picture` writes the numbers, (k, slots). `curves`
+        are x and y of the first, the second and so on, m, at a parameter of theirs, rad.
         """
         places = np.linspace(0.0, 2.0 * np.pi, SAMPLES if self.curves else 0)
         points = np.array([curves(float(at)) for at in places]).reshape(len(places), self.curves, 2)

@@ -13,9 +13,8 @@ import sympy
 
 from codegen.declare.area_properties import area_properties, outline_problem
 from codegen.declare.body import Body, Particle, Point
-from codegen.declare.drawn_outlines import polygon_with_holes
 from codegen.declare.outline_files import read_outline
-from codegen.declare.outlines import FEWEST, Corner, Outline, polygon
+from codegen.declare.outlines import FEWEST, Corner, Outline, polygon, polygon_with_holes
 from codegen.declare.symbols import Parameter
 from codegen.declare.value_reader import Reader
 from codegen.errors import ModelError

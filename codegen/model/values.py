@@ -15,7 +15,7 @@ from codegen.declare.symbols import Parameter, ParameterDeclaration, SignRule, V
 from codegen.errors import TableWarning
 from codegen.model.base import Declarations
 from codegen.readers import quantities
-from codegen.readers.quantities import converted, is_si_unit, known_unit, si_factor, si_unit
+from codegen.readers.quantities import converted, known_unit, si_factor, si_unit
 from codegen.readers.values import one_line, shown
 from codegen.tables.period import misfit, with_closing_row
 from codegen.tables.piecewise_cubic import Beyond, Ends, Kind, Table, excess, fit
@@ -315,7 +315,7 @@ class Values(Declarations):
 
     def _declare_state(self, name: str, where: str, start: Any, unit: str, nominal: Any) -> State:
         known = unit
-        if not is_si_unit(unit):
+        if not known_unit(unit) or si_factor(unit) != 1.0:
             self._note(f"{where}: the unit {shown(unit)} is no SI unit; use SI names, 'A', 'N/m'.")
             known = ""
         first, size = (

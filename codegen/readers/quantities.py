@@ -123,11 +123,6 @@ def _si_name(name: str) -> str:
     return f"({one.to_base_units().units:~C})".replace("**", "^")
 
 
-def is_si_unit(unit: object) -> bool:
-    """Whether `unit` is a unit of SI, such as ``"kg m^2"``; the empty text is that of numbers."""
-    return known_unit(unit) and si_factor(str(unit)) == 1.0
-
-
 def same_dimension(one: str, other: str) -> bool:
     """Whether two units convert into each other; the empty text is that of a pure number."""
     return bool(_measured(1.0, one).is_compatible_with(_measured(1.0, other)))

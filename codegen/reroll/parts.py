@@ -155,11 +155,8 @@ class Workspace:
     def assign(self, blocks: Iterable[Slots]) -> None:
         """Give slots turn by turn, so that what a turn writes stands together.
 
-        Parameters
-        ----------
-        blocks
-            Values that are computed, each of shape (turns, period); a value of one turn that has a
-            slot gives one to those of all its turns.
+        Blocks are values that are computed, (turns, period) each; a value of one turn that has a
+        slot gives one to those of all its turns.
         """
         free = 0
         for turns in blocks:

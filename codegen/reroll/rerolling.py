@@ -267,13 +267,8 @@ class Rerolling:
 def with_affine_accesses(s: Stretch, columns: Sequence[tuple[Slots, Slots]]) -> list[Stretch]:
     """The stretch as a loop with few columns that need a table, and the turns beside it.
 
-    Parameters
-    ----------
-    s
-        A stretch of several turns.
-    columns
-        What its turns take from outside: of each operand the kinds of place and the addresses, both
-        of shape (turns,). Addresses of one kind are comparable.
+    The columns are what its turns take from outside: of each operand the kinds of place and the
+    addresses, both (turns,). Addresses of one kind are comparable.
     """
     if not columns or s.turns < LEAST_TURNS:
         return [s]

@@ -15,12 +15,7 @@ _UNITS = {"x": "m", "y": "m", "phi": "rad", "vx": "m/s", "vy": "m/s", "omega": "
 def event_text(name: str, direction: int) -> str:
     """What happened: `gas: x of slider passes 5 m`, or the words of its label.
 
-    Parameters
-    ----------
-    name
-        Of the event: `effect: condition`, or `singular: drivers and joints`.
-    direction
-        As `Event.direction` has it.
+    The event's name is `effect: condition`, or `singular: drivers and joints`.
     """
     element, _, condition = name.partition(": ")
     match Direction(direction):

@@ -79,13 +79,9 @@ class ResultFigures(TimeSeries):
         from runtime.show.pictures import draw_result
 
         return draw_result(
-            cast("Result", self),
-            t,
-            dimensions=dimensions,
-            forces=forces,
-            frames=frames,
+            cast("Result", self), t, dimensions=dimensions, forces=forces, frames=frames,
             names=names,
-        )
+        )  # fmt: skip
 
     @readers.reads(
         file=readers.optional(readers.path),

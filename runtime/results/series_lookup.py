@@ -25,11 +25,10 @@ Column = npt.NDArray[Any]
 class TimeSeries:
     """Samples of a motion, with the tables that name them; see `Result`.
 
-    A name that the scene does not have is refused by an `InputError` with the nearest ones. What
-    the scene's outputs do not name, but for works, is computed from the states on demand.
-
-    Values are in SI units, or in the `unit` that is asked for, such as "mm", "deg", "rpm" or "kN";
-    one that does not fit is refused by an `InputError`.
+    Each method returns float64 values, one a sample, (k,), in SI units or in the `unit` that is
+    asked for, such as "mm", "deg", "rpm" or "kN". What the scene's outputs do not name, but for
+    works, is computed from the states on demand. A name or component that the scene does not have
+    is refused by an `InputError` with the nearest ones, and so is a unit that does not fit.
     """
 
     description: Description
@@ -42,89 +41,32 @@ class TimeSeries:
         return self.series(name)[0]
 
     def q(self, name: str, unit: str = "") -> FloatArray:
-        """A coordinate over time.
-
-        Parameters
-        ----------
-        name
-            Of the coordinate, such as "crank.phi".
-
-        Returns
-        -------
-        (k,) float64
-            In the coordinate's unit, m or rad.
-        """
+        """A coordinate over time, m or rad, by its name, such as "crank.phi"."""
         return self._called("q", name, unit=unit)
 
     def v(self, name: str, unit: str = "") -> FloatArray:
-        """A velocity over time.
-
-        Parameters
-        ----------
-        name
-            Of the velocity, such as "crank.omega", or of its coordinate.
-
-        Returns
-        -------
-        (k,) float64
-            In m/s or rad/s.
-        """
+        """A velocity over time, m/s or rad/s, by its name, "crank.omega", or its coordinate's."""
         return self._called("v", name, unit=unit)
 
     def a(self, name: str, unit: str = "") -> FloatArray:
-        """An acceleration over time.
+        """An acceleration over time, m/s² or rad/s², by the name of its coordinate or velocity.
 
-        Parameters
-        ----------
-        name
-            Of its coordinate or velocity, or of a state, whose rate it then is.
-
-        Returns
-        -------
-        (k,) float64
-            In m/s² or rad/s², or the unit of a state per second; not a number in singular
-            configurations.
+        By the name of a state it is the state's rate, in its unit per second. It is not a number in
+        singular configurations.
         """
         return self._called("a", name, unit=unit)
 
     def y(self, name: str, unit: str = "") -> FloatArray:
-        """A first-order state, a sampled value or a latch over time.
+        """A first-order state, a sampled value or a latch over time, by its name, in its unit.
 
-        Parameters
-        ----------
-        name
-            Of the state, such as "current".
-
-        Returns
-        -------
-        (k,) float64
-            In the state's unit; of a latch 1 where it holds, else 0. `a` has the rate of a state.
-
-        Raises
-        ------
-        InputError
-            If the scene has no such state.
+        A latch is 1 where it holds, else 0. `a` has the rate of a state.
         """
         return self._called("y", name, unit=unit)
 
     def point(self, name: str, component: str = "", unit: str = "") -> FloatArray:
-        """Place of a tracked point over time, in global axes.
+        """A tracked point over time, in global axes: "x" or "y", in m, or "vx" or "vy", in m/s.
 
-        Parameters
-        ----------
-        name
-            Of the point.
-        component
-            "x" or "y", in m, or "vx" or "vy", in m/s; without it, x and y.
-
-        Returns
-        -------
-        (k, 2) or, of a component, (k,) float64
-
-        Raises
-        ------
-        InputError
-            If there is no such point or component.
+        Without a component it is x and y, (k, 2).
         """
         if component:
             return self._called("point", name, component, unit)
@@ -133,120 +75,60 @@ class TimeSeries:
     def reaction(self, joint: str, component: str, unit: str = "") -> FloatArray:
         """Force or torque that the first body of a joint exerts on the second, in joint axes.
 
-        Of a driver: what it exerts on the body that it drives.
-
-        Parameters
-        ----------
-        joint
-            Name of the joint or driver.
-        component
-            Such as "fx", "fy" or "torque".
-
-        Returns
-        -------
-        (k,) float64
-            In N or N m.
-
-        Raises
-        ------
-        InputError
-            If there is no such joint or component.
+        Of a driver it is what the driver exerts on the body that it drives. Components are such as
+        "fx", "fy" and "torque", in N or N m.
         """
         return self._called("reaction", joint, component, unit)
 
     def mode(self, condition: str) -> npt.NDArray[np.int64]:
-        """Mode of a switching condition over time.
+        """Mode of a switching condition over time, (k,) int64.
 
-        Parameters
-        ----------
-        condition
-            Named as in events, such as "gas: slider_vx > 0", or by its effect where that has one
-            condition only.
-
-        Returns
-        -------
-        (k,) int64
-            1 where the condition held, 0 where it did not, 2 where its function stayed at zero: the
-            motion slid on the switching surface, friction stuck, or a rigid contact was closed.
+        It is 1 where the condition held, 0 where it did not, and 2 where its function stayed at
+        zero: the motion slid on the switching surface, friction stuck, or a rigid contact was
+        closed. The condition is named as in events, "gas: slider_vx > 0", or by its effect where
+        that has one condition only.
         """
         return self._called("mode", condition)
 
     def share(self, condition: str) -> FloatArray:
-        """Filippov's share α of a condition over time, where its mode is 2.
+        """Filippov's share α of a condition over time, from 0 to 1, where its mode is 2.
 
         There the accelerations are (1 - α) times those without the condition plus α times those
-        with it. A rigid contact has 1 where its force vanishes; what it exerts is its reaction.
-
-        Parameters
-        ----------
-        condition
-            Named as in `mode`.
-
-        Returns
-        -------
-        (k,) float64
-            From 0 to 1; not a number where the mode is 0 or 1, or any share would do.
+        with it. A rigid contact has 1 where its force vanishes; what it exerts is its reaction. The
+        share is not a number where the mode is 0 or 1, or any share would do. The condition is
+        named as in `mode`.
         """
         return self._called("share", condition)
 
     def energy(self, part: str = "total", unit: str = "") -> FloatArray:
-        """Energy over time.
+        """Energy over time, J: its "kinetic" or "potential" part, or the "total".
 
-        Parameters
-        ----------
-        part
-            "kinetic", "potential" or "total".
-
-        Returns
-        -------
-        (k,) float64
-            In J.
-
-        Raises
-        ------
-        InputError
-            If there is no such part, or bodies have no mass.
+        Where bodies have no mass there is none, which is an `InputError`.
         """
         return self._called("energy", part, unit=unit)
 
     def force(self, effect: str, component: str = "", unit: str = "") -> FloatArray:
-        """Force of an effect over time, an output ``force(NAME)`` of the scene.
+        """Force of an effect over time, N, an output ``force(NAME)`` of the scene.
 
         Of a spring, damper or actuator the tension, positive where it pulls its ends together; of a
         contact the force that pushes its bodies apart, positive; of a friction the force along its
-        slip; of a joint with clearance "normal", which pushes, and "friction" on the journal,
-        counter-clockwise about the bearing; of an applied force its components "fx" and "fy" in the
-        axes in which it is given; of a bushing "fx" and "fy" on its second body, in the axes of the
-        first; of gears with backlash and of elastic belts "first" and "second" for each flank or
-        strand; of any other effect the generalized forces by coordinate, "bob.x".
-
-        Parameters
-        ----------
-        effect
-            Its name; that of a joint or driver means its reaction.
-        component
-            Where there are several; "normal" and "limit" of a friction.
-
-        Returns
-        -------
-        (k,) float64
-            In N.
-
-        Raises
-        ------
-        InputError
-            If there is no such effect or component.
+        slip, with the components "normal" and "limit"; of a joint with clearance "normal", which
+        pushes, and "friction" on the journal, counter-clockwise about the bearing; of an applied
+        force its components "fx" and "fy" in the axes in which it is given; of a bushing "fx" and
+        "fy" on its second body, in the axes of the first; of gears with backlash and of elastic
+        belts "first" and "second" for each flank or strand; of any other effect the generalized
+        forces by coordinate, "bob.x". The name of a joint or driver means its reaction.
         """
         return self._called("force", effect, component, unit)
 
     def torque(self, effect: str, component: str = "", unit: str = "") -> FloatArray:
-        """Torque of an effect over time, an output ``torque(NAME)`` of the scene.
+        """Torque of an effect over time, N m, an output ``torque(NAME)`` of the scene.
 
         Of a torsion spring that on its first body, of a bushing that on its second, of a motor that
         on its rotor; of a one-way clutch that on its driven body, from 0 to the capacity; of a
         friction in a revolute joint that along its slip; of a stop of an angle that which pushes
         away from the limit, positive; of an effect without a torque of its own the
-        generalized forces on angles, "bob.phi". Arguments and errors are those of `force`; in N m.
+        generalized forces on angles, "bob.phi".
         """
         return self._called("torque", effect, component, unit)
 
@@ -289,49 +171,19 @@ class TimeSeries:
         return self._called("potential", effect, unit=unit)
 
     def power(self, source: str, part: str = "whole", unit: str = "") -> FloatArray:
-        """Power of an effect or driver on the machine.
+        """Power of an effect or driver on the machine, W.
 
-        Parameters
-        ----------
-        source
-            Name of the effect or driver.
-        part
-            "whole": of all that it exerts. "nonconservative": less the forces of its potential,
-            such as the damper of a spring, which changes the energy of the machine.
-
-        Returns
-        -------
-        (k,) float64
-            In W.
-
-        Raises
-        ------
-        InputError
-            If there is no such effect or driver.
+        "whole" is that of all that it exerts. "nonconservative" leaves out the forces of its
+        potential: such as the damper of a spring, which changes the energy of the machine.
         """
         return self._called("power", source, part, unit)
 
     def work(self, source: str, unit: str = "") -> FloatArray:
-        """Work of an effect or driver on the machine since the start of a simulation.
+        """Work of an effect or driver on the machine since the start of a simulation, J.
 
-        The integral of its `power`, of all that it exerts. Impacts, which change velocities at an
-        instant, do no work here; see `runtime.dynamics.output_quantities`.
-
-        Parameters
-        ----------
-        source
-            Name of the effect or driver.
-
-        Returns
-        -------
-        (k,) float64
-            In J.
-
-        Raises
-        ------
-        InputError
-            If there is no such effect or driver, the scene was declared without its work, or the
-            analysis was no simulation.
+        It is the integral of its `power`, of all that it exerts. Impacts, which change velocities
+        at an instant, do no work here; see `runtime.dynamics.output_quantities`. An `InputError`
+        says so if the scene was declared without this work, or the analysis was no simulation.
         """
         return self._called("work", source, unit=unit)
 

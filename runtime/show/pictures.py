@@ -51,14 +51,8 @@ def picture_at_states(
 ) -> Picture:
     """The picture in motion at states, without outlines that follow from joints.
 
-    Parameters
-    ----------
-    mechanism
-        Its companion module is built where it is missing.
-    p : (np,)
-        Parameters, with or without the constants behind them.
-    t, q, v : (k,), (k, n), (k, n)
-        Instants in s, coordinates and velocities.
+    Its companion module is built where it is missing. Parameters, (np,), may have the constants
+    behind them; instants in s are (k,), coordinates and velocities (k, n).
     """
     module = mechanism.companion("picture")
     bodies = tuple(BodyLayout(*row) for row in module.BODIES)

@@ -146,11 +146,9 @@ _RESULT = readers.instance("runtime.results", "Result", "a result of a machine")
     labels=readers.texts('["light", "heavy"]'),
 )
 def animate(
-    results: "Sequence[Result]",
-    *,
-    file: str | os.PathLike[str] | None = None,
+    results: "Sequence[Result]", *, file: str | os.PathLike[str] | None = None,
     labels: Sequence[str] = (),
-) -> Animation:
+) -> Animation:  # fmt: skip
     """Show runs in motion beside each other, with one clock and their curves in one picture.
 
     Parameters

@@ -76,28 +76,12 @@ def _color(name: str) -> str:
 
 
 def page_text(
-    title: str,
-    data: str,
-    below: str = "",
-    about: str = "",
-    *,
-    has_curves: bool = True,
+    title: str, data: str, below: str = "", about: str = "", *, has_curves: bool = True,
     runs: int = 1,
-) -> str:
-    """The page as text, of `runs` runs beside each other.
+) -> str:  # fmt: skip
+    """The page as text, of `runs` runs beside each other, with curves where there is a motion.
 
-    Parameters
-    ----------
-    title
-        Of the page.
-    data
-        The block of `page_data`.
-    below
-        HTML that stands below the player.
-    about
-        A text that stands under the title.
-    has_curves
-        Whether there is a motion, of which there are curves.
+    `data` is the block of `page_data`, `below` HTML under the player, `about` text under the title.
     """
     template = (_FOLDER / "page.html").read_text(encoding="utf-8")
     parts = {
