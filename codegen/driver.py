@@ -1,4 +1,4 @@
-"""The driver: a model file in, a generated module a scene out.
+"""The compiler's driver: from a model file to a generated module for each scene.
 
 read      model file            → Model                   (codegen.reading.model_file)
 check     Model, Scene          → problems, all at once   (codegen.check.declaration)
@@ -85,19 +85,19 @@ def build(
         Also generate the equations in reduced coordinates, of every scene for dynamics. Existing
         companion modules are updated in any case.
     picture
-        Also generate what draws the mechanism: the geometry of its bodies and elements.
+        Also generate the module that draws the mechanism: the geometry of its bodies and elements.
     outputs
-        Also generate all outputs, which a result computes when it is asked for one.
+        Also generate the companion module with all outputs, which a result computes on demand.
     check
         Write nothing; report the files that are missing or out of date.
     compile
         Compile now, so that the first run finds machine code in the cache.
     unroll
-        Whether kernels are written out, operation by operation: ``"always"``, ``"never"``, where
-        repeats become loops over tables of indices, or ``"auto"``, where long kernels do; None: as
-        in the last build of a scene.
+        Whether kernels are written out, operation by operation: ``"always"``; ``"never"``, so that
+        repeats become loops over tables of indices; or ``"auto"``, so that long kernels have such
+        loops. None: as in the last build of a scene.
     progress
-        Receives a line at the beginning of every stage; what it raises is passed on.
+        Receives a line at the beginning of every stage; an exception that it raises is passed on.
 
     Returns
     -------

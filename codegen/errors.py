@@ -34,11 +34,11 @@ class LinkwrightError(Exception):
 
 
 class InputError(LinkwrightError):
-    """The user's input is wrong; the command line answers it with exit status 2."""
+    """The user's input is wrong; the command line returns the exit status 2."""
 
 
 class UnknownNameError(InputError, KeyError):
-    """A table has no row of a name; a `KeyError` as well, as of a mapping."""
+    """A table has no row of this name; also a `KeyError`, like that of a mapping."""
 
     __str__ = Exception.__str__  # a KeyError would quote its message
 
@@ -64,15 +64,15 @@ class GeneratedFileError(InputError):
 
 
 class SupersededError(GeneratedFileError):
-    """A generated file is another one than when a machine was loaded, or a sweep began."""
+    """A generated file has changed since a machine was loaded or a sweep began."""
 
 
 class AssemblyError(InputError):
-    """The bodies cannot be put together as the joints and the start values demand."""
+    """No position of the bodies satisfies the joints and the start values."""
 
 
 class RedundancyError(AssemblyError):
-    """More constraints than the motion can obey independently; names those to remove."""
+    """The constraints are not independent; the message names those to remove."""
 
 
 class AnalysisError(InputError):
@@ -80,7 +80,7 @@ class AnalysisError(InputError):
 
 
 class NoAttributeError(ModelError, AttributeError):
-    """Part of a declaration is not there, or does not change; an `AttributeError` as well."""
+    """An attribute does not exist or cannot be changed; also an `AttributeError`."""
 
 
 class TableWarning(UserWarning):

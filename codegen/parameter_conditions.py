@@ -1,4 +1,4 @@
-"""Conditions that a model has on its parameters, judged alike by the build and before each run."""
+"""Conditions of a model on its parameters, which the build and each run check in the same way."""
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -10,12 +10,12 @@ import numpy.typing as npt
 SAMPLES = 720  # safety: places on a profile at which its shape is looked at, every half degree
 ALPHAS = tuple(2 * math.pi * k / SAMPLES for k in range(SAMPLES + 1))
 TOLERANCE = 1e-9  # accuracy: of curvatures, in parts of a profile's size or of 1
-_JUMP = 1e-4  # accuracy: of a corner, rad, and of 100 gaps in parts of a profile's size
-_HALVINGS = 12  # measured: how often an interval of α is halved in which there may be one
-_MOST = 3000  # safety: samples of a profile, beyond which no more are halved
-# accuracy: of a roller's radius; a cut that is less deep is one of sampled points
+_JUMP = 1e-4  # accuracy: of a corner, rad; and of 100 times a gap, in parts of a profile's size
+_HALVINGS = 12  # measured: halvings of an interval of α in which there may be a jump
+_MOST = 3000  # safety: samples of a profile, beyond which no interval is halved
+# accuracy: of a roller's radius; a cut that is less deep comes from the sampling
 _CUT = 1e-6
-_ONCE = 1.5  # safety: turns of a tangent along a curve that goes round once
+_ONCE = 1.5  # safety: turns of the tangent that a curve which goes round once does not reach
 Array = npt.NDArray[np.float64]
 Vectors = npt.NDArray[np.complex128]
 

@@ -22,16 +22,16 @@ MOST = 9  # layout: rows or columns of a matrix that is shown in full
 class SceneEquations:
     """M q̈ + Φ_qᵀ λ = Q, Φ(q, t) = 0, Φ_q q̇ = ν and Φ_q q̈ = γ, as matrices of SymPy.
 
-    Notebooks show them. Where a force has modes, such as a friction that sticks, Q has the symbol
-    of its side, and where a friction follows from a reaction, Q has the multipliers.
+    Notebooks show them. If a force has modes, such as a friction that sticks, Q contains the symbol
+    of its side; if a friction follows from a reaction, Q contains the multipliers.
 
     Attributes
     ----------
     q, v
         Coordinates and velocities, n × 1.
     M, Q
-        Mass matrix, n × n, and generalized forces, n × 1; those of potentials are among them. Zero
-        in kinematic scenes.
+        Mass matrix, n × n, and generalized forces, n × 1, including those of potentials. Zero in
+        kinematic scenes.
     Phi, Phi_q, nu, gamma
         Constraints, m × 1, their Jacobian, m × n, and the right sides, m × 1.
     lam

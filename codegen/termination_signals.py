@@ -1,4 +1,4 @@
-"""SIGINT, SIGTERM and SIGHUP: requests to stop, which are obeyed where nothing is lost by it.
+"""SIGINT, SIGTERM and SIGHUP: requests to stop, which are obeyed at places where nothing is lost.
 
 Python raises KeyboardInterrupt wherever the program is at that instant: within LLVM, whose memory
 is then freed twice, or in a callback that swallows it. A `SignalDeferral` notes the interrupt

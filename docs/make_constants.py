@@ -68,6 +68,7 @@ the page from the source, and `make check` compares them. The kinds are
 - **accuracy**: a tolerance; it decides how many digits a result has;
 - **measured**: chosen by experiment on the library's machines; it decides how long a run takes.
 
+A reason that begins with *of* completes the value: `1e-9` *of a size* is 1e-9 times this size.
 `EPS` is the unit roundoff of double precision, 2⁻⁵². The coefficients of integration methods tune
 nothing and are left out.
 

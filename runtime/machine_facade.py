@@ -57,8 +57,8 @@ class Machine(MachineStates):
             distances, by default 501; or "steps", the end of every step. `Result.at` returns all
             others.
         accuracy, quantities
-            The relative global error that the result may have, from 1e-12 to 0.1, and the names of
-            the series that must have it, by default the whole state. The program then chooses the
+            The largest relative global error of the result, from 1e-12 to 0.1, and the names of the
+            series to which it applies, by default the whole state. The program then chooses the
             tolerances, and method and formulation unless they are given; `Result.accuracy` has the
             error that was reached.
         t_start, guess, start
@@ -66,9 +66,9 @@ class Machine(MachineStates):
             of coordinate (m, rad) or velocity (m/s, rad/s) in place of the scene's; values that the
             joints do not allow are refused. Or `start` is a state: an assembled one, an
             equilibrium, `Result.state(t)`, or a result, for its end. Where joints come and go, such
-            a run begins with the joints that act there. `guess` has the values at which the search
-            for a start begins, in place of the scene's guesses; a name that the scene fixes is
-            refused. `Result.message` says how far values were moved.
+            a run begins with the joints that act in this state. `guess` has the values at which the
+            search for a start begins, in place of the scene's guesses; a name that the scene fixes
+            is refused. `Result.message` says how far values were moved.
         method
             "dop853" (default), of order 8, "dopri5" and "tsit5", of order 5, are explicit. "radau5"
             and "bdf" are implicit, for stiff equations: contacts and springs that vibrate much
@@ -91,10 +91,10 @@ class Machine(MachineStates):
         controllers
             Sampled value that is declared without an expression → a function of yours that computes
             it at each of its samples, ``lambda sample: -4.0 * sample.q("arm.phi")``, from
-            `Sample.t`, `q`, `v` and `y`. A call takes some microseconds; an expression takes one.
-            `accuracy` and the studies call the same function in several runs: a function with a
-            memory must begin anew at the first sample of a run, where `Sample.t` is not greater
-            than at the sample before.
+            `Sample.t`, `q`, `v` and `y`. A call takes some microseconds; the evaluation of an
+            expression takes one. `accuracy` and the studies call the same function in several runs:
+            a function with a memory must begin anew at the first sample of a run, where `Sample.t`
+            is not greater than at the sample before.
         until
             Conditions on series of the result that end the run, by name: ``{"overload":
             ("hinge.fx", ">", 500.0)}``, or ``"0.5 kN"``, with "<" or ">". The run is made twice,
@@ -108,9 +108,9 @@ class Machine(MachineStates):
             default a thousandth of the run.
         first_step, max_step, max_steps, max_bytes, progress
             Lengths of steps in s, chosen by default. Largest number of trial steps
-            (`Outcome.MAX_STEPS`), by default 1e8, or fewer where steps get ever shorter. Largest
-            number of bytes of recorded states (`Outcome.MEMORY`), by default 1 GiB. Whether a bar
-            shows after a second.
+            (`Outcome.MAX_STEPS`), by default 1e8, or fewer if steps become shorter and shorter.
+            Largest number of bytes of recorded states (`Outcome.MEMORY`), by default 1 GiB. Whether
+            a bar shows after a second.
         out
             A path ending in .zarr that does not exist yet. All quantities are written there in
             chunks during the run, and the result maps its numbers from temporary files beside it,
@@ -246,10 +246,10 @@ class Machine(MachineStates):
     ) -> "Result":  # fmt: skip
         """Positions, velocities and accelerations of a machine whose drivers leave no freedom.
 
-        If the machine locks up, the result goes up to the last instant before, followed by the
-        position in which it locks, where velocities are nan; the outcome says so. Singular
-        configurations in which motions cross are passed on the branch on which the velocity is
-        continuous. Both are events, and described in `Result.singular`.
+        If the machine locks up, the result ends with the position in which it locks, where
+        velocities are nan, and the outcome says so. At a singular configuration where motions
+        cross, the result follows the branch of continuous velocity. Lock-ups and crossings are
+        events; `Result.singular` describes them.
 
         Parameters
         ----------
@@ -259,9 +259,8 @@ class Machine(MachineStates):
             `t_end`: `[1.0]` is the one instant 1 s.
         parameters, guess, start
             Parameter values by name, SI units or texts, ``"45 mm"``, in place of the defaults.
-            Values by name of coordinate or velocity in place of the scene's: `guess` for the
-            beginning of the search for the start, `start` for values that are kept, as for
-            `simulate`.
+            Values by name of coordinate or velocity in place of the scene's, as for `simulate`: the
+            search for the start begins at `guess` and keeps `start`.
         t_start
             Instant in s to which the start values belong. The machine is assembled there and
             followed to the first output instant, so that it stays on the branch on which it starts.
@@ -272,7 +271,7 @@ class Machine(MachineStates):
         ------
         AnalysisError
             If the drivers leave degrees of freedom, if the scene has rigid contacts, or if the
-            machine starts in a singular configuration and no velocities say on which branch.
+            machine starts in a singular configuration and no velocities determine the branch.
         AssemblyError, InputError
             As `simulate`.
 
@@ -295,9 +294,9 @@ class Machine(MachineStates):
     ) -> "Result":  # fmt: skip
         """Forces and torques that a prescribed motion requires, and the reactions in the joints.
 
-        The motion is that of `kinematics`, without the position in which a machine locks up, where
-        forces have no bound; the reaction of a driver is the force or torque that it
-        exerts on the body that it moves.
+        The motion is that of `kinematics`, without a position in which the machine locks up, since
+        forces have no bound there. The reaction of a driver is the force or torque that it exerts
+        on the body that it moves.
 
         Parameters
         ----------
@@ -349,17 +348,17 @@ class Machine(MachineStates):
             sampled values, positions and states at which all rates vanish. "settling": a damped
             motion until rest, which also succeeds from a start far from it.
         guess, parameters
-            Positions by name of coordinate, and states, at which the search begins, in place of the
-            scene's; start values of the scene are free here. Parameter values by name. Both in SI
-            units or as texts, ``"45 mm"``.
+            Positions and states by name, at which the search begins, in place of the scene's; the
+            search may change start values of the scene. Parameter values by name. Both in SI units
+            or as texts, ``"45 mm"``.
         t, progress
-            Instant in s at which drivers and forces are frozen; whether a terminal shows a bar.
+            Drivers and forces are frozen at the instant `t` in s; whether a terminal shows a bar.
 
         Returns
         -------
         Equilibrium
-            A result of one instant, with stability, natural frequencies and the unbalanced share of
-            the forces. Its outcome is `Outcome.UNBALANCED` if no equilibrium was found.
+            A result of one instant, with the stability, the natural frequencies and the unbalanced
+            share of the forces. Its outcome is `Outcome.UNBALANCED` if no equilibrium was found.
 
         Raises
         ------

@@ -200,7 +200,7 @@ class MachineStates:
         InputError
             If t, q or v are not finite numbers of the right shape.
         AnalysisError
-            If no run starts from the state, as in a joint that jams.
+            If no run can start from the state, as with a joint that jams.
         """
         from runtime.integrate.run import initial_modes
 
@@ -228,7 +228,7 @@ class MachineStates:
         ----------
         at
             An instant in s, at which the start is assembled, with drivers at their values then; or
-            a state: from `assemble`, from `Result.state(t)`, or a result, for its end.
+            a state from `assemble` or `Result.state(t)`; or a result, for the state at its end.
         parameters, guess
             As for `assemble`: values by name, in SI units or as texts, ``"45 mm"``.
         dimensions, forces, frames, names
@@ -268,14 +268,14 @@ class MachineStates:
         ----------
         guess
             Values by name of coordinate or velocity, SI units or texts, ``"30 deg"``, at which the
-            search begins, in place of the scene's guesses; not of a name that the scene or `start`
-            fixes.
+            search begins, in place of the scene's guesses. Names that the scene or `start` fixes
+            are refused.
         parameters, t
-            Values by name, SI units or texts, ``"45 mm"``, the others keep their defaults; instant
-            in s.
+            Values by name, SI units or texts, ``"45 mm"``; other parameters keep their defaults.
+            Instant in s.
         start
-            Values by name, as in `guess`, that are kept, in place of the values that the scene
-            fixes.
+            Values by name, as in `guess`, that assembly keeps, in place of the values that the
+            scene fixes.
 
         Returns
         -------
@@ -287,7 +287,7 @@ class MachineStates:
         ------
         AssemblyError
             If the joints do not close: the message names the joints, with the remaining gaps. If
-            `guess` names what the scene fixes: the message has the names, with the scene's values.
+            `guess` names values that the scene fixes: the message has the scene's values.
         InputError
             If a name is in `guess` and in `start`, or an argument is of another kind.
         RedundancyError

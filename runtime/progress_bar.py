@@ -1,4 +1,4 @@
-"""What a person who waits sees: a bar for a long analysis, and what numba compiles meanwhile.
+"""Progress of a long analysis: a bar, and the functions that numba compiles meanwhile.
 
 A terminal shows a bar. A notebook shows lines, since its output is kept, and of compilation alone.
 """

@@ -53,7 +53,7 @@ def load_result(path: str | os.PathLike[str], machine: "Machine | None" = None) 
 
     The machine computes the quantities again from the states, with the same bits. `Result.at` and
     `Result.resume` repeat the run from its start, since files have no checkpoints: they return the
-    same bits, after as long as the run took. They fail for a run with functions of your own in
+    same bits, after as long as the run took. They fail for a run with your own functions in
     `controllers=`, which no file keeps: simulate anew. An `Equilibrium` is read as a plain result.
 
     Parameters

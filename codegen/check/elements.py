@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from codegen.model import Model
 
 Element = el.Constraint | el.Effect
-_KEPT = 1000  # measured: expressions whose flaws are known; a machine has fewer different ones
+_KEPT = 1000  # measured: expressions whose flaws are remembered; a machine has fewer different ones
 
 
 def element_problems(

@@ -42,7 +42,7 @@ _STARTS = (0.0, 1.0, 30.0)  # safety: sizes of the region in which a search begi
 _MARGINS = (0.1, 1e-3, 1e-5, 1e-7)
 _ROUNDED = 1e-15  # accuracy: a step of a search in parts of the place, which is rounding
 _STEPS = 15  # safety: Gauss-Newton steps of a search
-_DIGITS = 30  # accuracy: of differences of pieces that are below the smallest float
+_DIGITS = 30  # accuracy: digits of differences of pieces that are below the smallest float
 # accuracy: of the terms of a difference; less is the rounding of numbers in the pieces
 _ZERO = 1e-9
 _NEAR, _FAR = 1e-11, 1e-8  # accuracy: distances from a surface, in parts of the place

@@ -39,18 +39,18 @@ class Body(Pose):
     """A rigid planar body; its frame x'-y' has its origin at the centre of mass.
 
     Points, curves and pictures of a body with an outline are given in the axes of its drawing,
-    which are parallel to x' and y'; they lie elsewhere if the centre of mass does.
+    which are parallel to x' and y'; their origin need not be the centre of mass.
 
     Attributes
     ----------
     name
         The modeller's name, an identifier.
     mass, inertia
-        In kg and kg m² (about the centre of mass); None where a kinematic scene needs none.
+        In kg and kg m² (about the centre of mass); None if only kinematic scenes use the body.
     model
         Token of the model that the body belongs to.
     outlines
-        Closed polygons of points (x', y'), m, that draw the body; empty: they follow from joints.
+        Closed polygons of points (x', y'), m, that draw the body; empty: joints determine them.
     center
         The centre of mass in the axes of the drawing, m; (0, 0) without an outline.
     fixed, turns
@@ -98,8 +98,8 @@ class Body(Pose):
     def mass_matrix(self) -> dict[tuple[Coordinate, Coordinate], sympy.Expr | None]:
         """Entries M_ab(q) of the body's mass block, for a pair of coordinates in one order.
 
-        M must be positive definite on the velocities that `equations` allow; it may be singular
-        besides them, as with Euler parameters.
+        M must be positive definite on the velocities that `equations` allow; for other velocities
+        it may be singular, as with Euler parameters.
         """
         pairs = zip(self.coordinates, self.masses, strict=True)
         return {(q, q): mass for q, mass in pairs}
@@ -147,7 +147,7 @@ class Body(Pose):
 
     @property
     def angle(self) -> sympy.Expr | None:
-        """Orientation φ; None where the coordinates give cos φ and sin φ but no angle."""
+        """Orientation φ; None if the coordinates give only cos φ and sin φ."""
         return self.phi
 
     @property
@@ -258,7 +258,7 @@ class Point:
 
     @property
     def place(self) -> tuple[sympy.Expr, sympy.Expr]:
-        """(sx, sy) as expressions, m; ModelError where they are none."""
+        """(sx, sy) as expressions, m; ModelError if they are not expressions."""
         x, y = expressions_in("m", f"point of {_named(self.body)}", self.sx, self.sy)
         return closed(x), closed(y)
 

@@ -80,12 +80,12 @@ class JointReaction:
     direction
         The joint's x axis in the global frame, 2 × 1, of unit length, in placeholders.
     on
-        The frame, `I` or `J`, whose body the reaction is computed on.
+        The frame, `I` or `J`, of the body on which the reaction acts.
     sign
         +1 to report the reaction on that body, -1 for its opposite.
     arm
-        From the body's centre to where the reaction acts, global, 2 × 1, in placeholders; None for
-        the joint's point of this body.
+        The global vector from the body's centre to the place of the reaction, 2 × 1, in
+        placeholders; None: the joint's point of this body.
     """
 
     direction: sympy.Matrix
@@ -122,14 +122,14 @@ class Statement:
     rows
         A word for each equation (``"x"``, ``"angle"`` …).
     bindings
-        Placeholder → number, parameter or expression of the model (made symbolic here); the cosine
-        and sine of a placeholder instead, where a body has no angle.
+        Placeholder → number, parameter or expression of the model (made symbolic here); for a body
+        without an angle, the cosine and sine of the placeholder.
     reaction
-        How the multipliers are reported as forces; None: they are not.
+        How the multipliers are reported as forces; None: not at all.
     own
-        (row, coordinate) of each coordinate that the element brings itself, such as the parameter
-        of a cam's profile at the contact: it has no mass, and the row determines it, so that
-        ∂(row)/∂(coordinate) vanishes nowhere on the constraints once the rows before are solved.
+        (row, coordinate) of each own coordinate of the element, such as the parameter of a cam's
+        profile at the contact. The coordinate has no mass, and the row determines it: once the rows
+        before it are solved, ∂(row)/∂(coordinate) vanishes nowhere on the constraints.
     """
 
     phi: tuple[sympy.Expr, ...]
@@ -255,9 +255,9 @@ class Element(Protocol):
 
     @property
     def bodies(self) -> Bodies:
-        """The bodies that the element takes hold of; empty: all of the scene (gravity).
+        """The bodies on which the element acts; empty: all of the scene (gravity).
 
-        Those of its fields that are points, curves, bodies or tuples of them, in their order.
+        They are the bodies of its fields: points, curves, bodies or tuples of them, in their order.
         """
         values = (v if isinstance(v, tuple) else (v,) for v in vars(self).values())
         places = (v for v in chain.from_iterable(values) if isinstance(v, Body | Point | Curve))
@@ -280,12 +280,11 @@ class Constraint(Element, Protocol):
 class Effect(Element, Protocol):
     """A force: brings a potential V or generalized forces Q.
 
-    Further methods, by kind: ``friction() -> FrictionLaw`` for a force from a joint's reaction;
+    Some kinds have more methods: ``friction() -> FrictionLaw`` for a force from a joint's reaction;
     ``hold(bodies) -> Sticking | Rigid | OneWay | None`` for friction that sticks, rigid contacts
     and freewheels; ``pulls(bodies) -> ((s, f), ...)`` for forces along scalars; ``reported(bodies)
     -> ((component, unit, value), ...)`` for a reported force; ``measures(bodies) -> (Measure,
-    ...)`` for quantities that a scene may name as outputs, which otherwise follow from the others.
-    `bodies` are those of the scene.
+    ...)`` for outputs that do not follow from the others. `bodies` are those of the scene.
     """
 
     def potential(self, bodies: Bodies) -> sympy.Expr | None:
@@ -293,7 +292,7 @@ class Effect(Element, Protocol):
         return None
 
     def forces(self, bodies: Bodies) -> Loads:
-        """Generalized forces Q that have no potential, less those of `pulls`."""
+        """Generalized forces Q that have no potential, without those of `pulls`."""
         return {}
 
 

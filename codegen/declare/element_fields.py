@@ -1,4 +1,4 @@
-"""Fields of an element that hold its numbers: how each is read, and what is asked of its value.
+"""Fields for the numbers of an element: how each is read, and the conditions on its value.
 
 A field says its unit, and what is asked of it, once. `Model` reads the argument of the same name by
 it. The conditions that follow from it, and others that an element states, are judged by the build

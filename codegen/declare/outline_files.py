@@ -18,9 +18,9 @@ from codegen.readers.calls import declaring
 from codegen.readers.quantities import UnitError, converted, finite_in_unit
 from codegen.readers.values import nearest, shown
 
-GAP = 1e-6  # accuracy: of the drawing's diagonal; ends of strands that are nearer meet
+GAP = 1e-6  # accuracy: of the drawing's diagonal; ends of lines that are nearer meet
 FLAT = 1e-6  # accuracy: of the diagonal; how far a polygon may be from the spline it stands for
-PARTS = 500  # accuracy: of a spline of an SVG file; those of a half circle keep 5e-6 of its radius
+PARTS = 500  # accuracy: edges for a spline of an SVG file; a half circle errs by 5e-6 of its radius
 DRAWN = 5e-4  # layout: of the diagonal; the same of the polygon that is drawn
 
 
@@ -45,14 +45,14 @@ def read_outline(file: str | Path, layer: str | None = None, unit: str | None = 
     layer
         The layer of a DXF file, or the id or label of a group of an SVG file; all unless given.
     unit
-        Of the drawing's numbers, ``"mm"``, of an SVG file of its pixels; that which the file names
-        unless given.
+        Unit of the drawing's numbers, such as ``"mm"``, or of the pixels of an SVG file; by default
+        the unit that the file names.
 
     Raises
     ------
     ModelError
-        If the file does not exist or is none of these, names no unit, or has contours that are
-        open, with the distance of their ends.
+        If the file does not exist, has another format, names no unit, or has open contours; the
+        message has the distances of their ends.
     InputError
         If ezdxf, shapely or svgelements is not installed.
     """

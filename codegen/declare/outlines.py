@@ -40,9 +40,9 @@ def library(name: str) -> Any:
 
 
 class Outline(tuple[Corner, ...]):
-    """The outline of a body, with holes; as a tuple the corners of a polygon that is drawn for it.
+    """The outline of a body, with holes; as a tuple it has the corners of a polygon for drawing.
 
-    `vertices` are where edges meet, (x', y') in m, and `bulges` those of the edges from there on.
+    `vertices` are the ends of edges, (x', y') in m; `bulges` has that of the edge from each.
     """
 
     vertices: tuple[Corner, ...]
@@ -158,11 +158,11 @@ def bar(length: Any, width: Any, start: Corner = (0, 0), angle: Any = 0) -> Outl
     Parameters
     ----------
     length, width
-        From the centre of one round end to that of the other, and across, m, as of `polygon`.
+        Distance of the centres of the round ends, and width across, m, as in `polygon`.
     start
         (x', y') of the centre of the first end, m.
     angle
-        Of the bar from the x' axis, rad.
+        The angle of the bar from the x' axis, rad.
     """
     x, y, a, w = _measures("bar", start, length, width)
     (turn,) = expressions_in("rad", "bar", angle)
@@ -179,7 +179,7 @@ def disc(radius: Any, center: Corner = (0, 0)) -> Outline:
     Parameters
     ----------
     radius, center
-        In m, as of `polygon`.
+        In m, as in `polygon`.
     """
     x, y, radius = _measures("disc", center, radius)
     angles = (2.0 * pi * k / CORNERS for k in range(CORNERS))
@@ -194,7 +194,7 @@ def rectangle(width: Any, height: Any, center: Corner = (0, 0)) -> Outline:
     Parameters
     ----------
     width, height, center
-        Along x' and y', m, as of `polygon`.
+        Along x' and y', m, as in `polygon`.
     """
     x, y, a, b = _measures("rectangle", center, width, height)
     a, b = a / 2, b / 2

@@ -1,4 +1,4 @@
-"""What elements, joints and bodies return: each method is asked by one function, and checked once.
+"""Calls of the methods of elements and bodies: one function for each, which checks the result once.
 
 A modeller's own element may return anything: an exception, or a value of another kind than a reader
 demands, is a `ModelError` that names the element, the method and the value.

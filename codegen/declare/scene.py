@@ -111,9 +111,9 @@ class Scene(Choices):
     states
         The states that take part, of first order or sampled.
     connected
-        The joints that act of those that come and go in a run.
+        Of the joints that come and go in a run, those that act.
     fidelity
-        Effect or coupler → its fidelity, where it has several and the scene chooses one.
+        Effect or coupler → its fidelity, if it has several and the scene chooses one.
     start
         Coordinate or velocity (``"crank.phi"``, ``"crank.omega"``) → value that must hold.
     guess

@@ -13,7 +13,7 @@ from codegen.readers.values import shown
 
 Letter = Literal["x", "y", "phi"]
 LETTERS = ("x", "y", "phi")
-KEPT = 20_000  # measured: symbols that are found by name; SymPy keeps a thousand of all results
+KEPT = 20_000  # measured: symbols that are remembered by name; SymPy remembers a thousand results
 SignRule = Literal["", "positive", "nonnegative"]
 
 

@@ -1,4 +1,4 @@
-"""What a modeller gives, read by its kind; problems are noted, and all told at once.
+"""Readers of a modeller's input, by its kind; all problems are collected and reported at once.
 
 Scalar, pair, vector, number, condition, word, flag, mapping, names: each kind has one method of
 `Reader`. It returns plain numbers, SymPy expressions in SI units and text; what is of another kind

@@ -1,4 +1,4 @@
-"""Effects → potential energy and forces; an expression of another scene is not worked on again.
+"""Effects → potential energy and forces; expressions known from another scene are reused.
 
 Quantities of effects that a scene names as outputs: forces, lengths, rates, potentials.
 """

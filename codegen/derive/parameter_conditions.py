@@ -1,4 +1,4 @@
-"""What a scene asks of its parameters: conditions of its elements, tables' ranges, cams' shapes."""
+"""Conditions of a scene on its parameters: those of its elements, tables' ranges, cams' shapes."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, is_dataclass

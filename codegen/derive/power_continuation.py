@@ -1,4 +1,4 @@
-"""Powers that end where their piece does, such as δ^(3/2) of a contact, continued past the end.
+"""Continuation of powers, such as δ^(3/2) of a contact, past the end of their piece.
 
 An event is located between two states, one of them past it, and the force of the piece before is
 asked for at both. A power b^e that is not whole has no number where b < 0, and a run would stop at

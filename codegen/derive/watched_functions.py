@@ -160,7 +160,7 @@ _ROOT = -0.5  # formula: exponent of the slope of a root
 _STEPS = (sympy.tanh, sympy.atan)
 _PARTS_OF_STEPS = (sympy.cosh, sympy.sinh)  # below a fraction's line
 _FUNCTIONS = (sympy.Pow, sympy.log, *_STEPS, *_PARTS_OF_STEPS, sympy.exp)  # that may peak
-_HIGH = 16  # measured: (1 - x²)^8 has a width of 0.3, which the error of a step shows
+_HIGH = 16  # measured: power; (1 - x²)^8 has a width of 0.3, which the error of a step shows
 
 
 class PeakedFunction(NamedTuple):

@@ -29,7 +29,7 @@ from codegen.drawing.styles import Stroke
 LARGEST = 0.32  # layout: length of the largest arrow to scale, in typical lengths
 WIDE = 1.35  # layout: radius of a torque's arrow over that of a driver's
 SMALLEST = 0.45  # layout: radius of the arrow of no torque over that of the largest
-VANISHING = 1e-9  # accuracy: of the largest; what is smaller is 0 but for rounding
+VANISHING = 1e-9  # accuracy: of the largest; a smaller number is rounding
 FRAME = 0.075  # layout: length of the axes of a body's frame, in typical lengths
 MOST_EDGES = 4  # layout: edges of a body that are measured
 OFFSET = 0.07  # layout: distance of a dimension line from what it measures

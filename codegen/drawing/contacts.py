@@ -27,7 +27,7 @@ from codegen.drawing.plane_geometry import (
 from codegen.drawing.shapes import ContactSide
 
 GREATEST_GAP = 20.0  # layout: typical lengths from a body up to a surface that is drawn
-ROUNDING = 1e-9  # accuracy: of a contact's arms; a centre of curvature that moves less is fixed
+ROUNDING = 1e-9  # accuracy: of a contact's arms; a centre of curvature that moves by less is fixed
 HALF = 0.24  # layout: half length of a surface under a body that stays, in typical lengths
 WIDTH_SHARE = 0.75  # layout: the same over the width of the body, at least
 PLATE = 1.5  # layout: half length of a stop's plate over the half width of a block

@@ -1,4 +1,4 @@
-"""Names and numbers of a figure: what they say, beside what they may stand, and where they do."""
+"""Names and numbers of a figure: their texts, their possible places, and the choice of a place."""
 
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple

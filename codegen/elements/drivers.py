@@ -11,9 +11,8 @@ from codegen.elements.joints.guides import ALONG, bind_axis
 from codegen.elements.joints.points import DIFFERENCE, LEFT_SIDE, SPAN, letter_unit
 from codegen.elements.registry import element
 
-# safety: (1e-90 m)² is lost in the rounding of any distance, and keeps d / |d| and its derivative
-# from 0 / 0 where a guess puts both points in one place: the Jacobian is 0 there, as that of dᵀ d
-# is.
+# safety: (1e-90 m)² is below the rounding of any distance. It keeps d / |d| and its derivative from
+# 0 / 0 if a guess puts both points in one place: the Jacobian is 0 there, like that of dᵀ d.
 NOTHING = 1e-180
 DISTANCE = sympy.sqrt(SPAN.dot(SPAN) + NOTHING)
 
@@ -82,8 +81,8 @@ class PointDriver(Driver):
 
     x_j^P - C(t) = 0, y_j^P - C(t) = 0 or φ_j - C(t) = 0.
 
-    The reaction is the force at the point along the global axis, N, or the torque, N m, that the
-    driver exerts on the body.
+    The reaction is the force of the driver on the body, at the point and along the global axis, N,
+    or its torque on the body, N m.
     """
 
     kind = "point driver"
@@ -119,13 +118,13 @@ class PointDriver(Driver):
 
 @element(driver=True)
 class RelativeDriver(Driver):
-    """Body j turns or moves against body i by a law of the time, as a motor or a servo in a joint.
+    """Body j moves relative to body i by a law of the time, such as that of a motor or servo.
 
     x_j^P - x_i^P - C(t) = 0, y_j^P - y_i^P - C(t) = 0 or φ_j - φ_i - C(t) = 0, in global axes.
 
-    With φ it is the revolute-rotational driver: the motor in a revolute joint. The reaction is
-    the force along the global axis on body j at its point, N, or the torque on body j, N m; body i
-    gets the opposite.
+    With φ it is the revolute-rotational driver: the motor in a revolute joint. The reaction is the
+    force on body j at its point, along the global axis, N, or the torque on body j, N m. The
+    opposite acts on body i.
     """
 
     kind = "relative driver"
@@ -154,9 +153,9 @@ class TranslationDriver(Driver):
 
     u_iᵀ d_ij - C(t) = 0: how far point j is ahead of point i along an axis of body i.
 
-    The driver of a translational joint between the two points; it may pass through 0, and holds
-    beside any other joint as well. The reaction is the force on body j along the axis, N; body i
-    gets the opposite on the same line of action.
+    It drives a translational joint between the two points, or any other joint beside it. C may pass
+    through 0. The reaction is the force on body j along the axis, N; the opposite force acts on
+    body i on the same line of action.
     """
 
     kind = "translation driver"
@@ -185,12 +184,12 @@ class DistanceDriver(Driver):
     sqrt(dᵀ d) - C(t) = 0 with d = r_j^P - r_i^P: a cylinder or a winch between two points.
 
     Haug squares both sides. Here the distance itself is driven, so that the multiplier is a force,
-    and a law below 0 has no solution instead of that of its opposite. Where C reaches 0 the two
-    points meet, the direction between them is lost and the motion ends; a stroke that passes
-    through 0 is one of `TranslationDriver` or `RelativeDriver`.
+    and a negative C has no solution. Where C reaches 0 the two points meet, the direction between
+    them is lost and the motion ends. For a stroke that passes through 0, use `TranslationDriver` or
+    `RelativeDriver`.
 
-    The reaction is the force on body j away from point i, N; body i gets the opposite: positive
-    where the driver pushes the points apart.
+    The reaction is the force on body j away from point i, N: positive where the driver pushes the
+    points apart. The opposite force acts on body i.
     """
 
     kind = "distance driver"

@@ -26,10 +26,10 @@ from codegen.reroll.rerolling import Rerolling
 Unroll = Literal["auto", "always", "never"]
 """Write kernels out where that is short; always; never: in loops, however few operations."""
 
-LONGEST = 6000  # measured: statements of a module that is written out, whatever repeats in it
-SHORTEST = 100  # measured: statements of a kernel that is written out in any module
-GAIN = 0.6  # measured: part of a kernel's statements that its loops may have in the text
-LONGEST_KERNEL = 3000  # measured: statements of a kernel, beyond which it is in batches
+LONGEST = 6000  # measured: statements of the longest module that is written out without loops
+SHORTEST = 100  # measured: statements up to which a kernel is written out in any module
+GAIN = 0.6  # measured: largest ratio of a kernel's statements with loops to those without
+LONGEST_KERNEL = 3000  # measured: statements beyond which a kernel is computed in batches
 
 KernelTexts = list[KernelText | RolledKernelText]
 

@@ -1,4 +1,4 @@
-"""The values of a kernel → statements: lines that compute them, in branches where choices are.
+"""The values of a kernel → the statements that compute them, with branches for choices.
 
 A value that only one side of a choice needs is computed on that side. A value with one user becomes
 part of that user's line while the line stays short. Values of a solution have the names of what the

@@ -1,4 +1,4 @@
-"""What is wrong with a declaration, everything at once; and if nothing is, what it amounts to.
+"""The report on a declaration: all that is wrong; or else its freedoms, constraints and start.
 
 The stages of a build are gone through up to the emission of kernels. Of these, the ones that
 assembly takes are compiled.

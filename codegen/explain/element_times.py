@@ -45,12 +45,12 @@ MODES, MODE_ROWS = types.int64[::1], types.int64[:, ::1]
 SIGNATURE = types.int64(F8, VECTOR, VECTOR, VECTOR, MODES, VECTOR, VECTOR)
 OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy"}
 
-TURN = 5e-4  # measured: s that the slowest kernel has in a round
-ROUNDS = 500  # measured: rounds of turns, of which the least time of a kernel is kept
+TURN = 5e-4  # measured: s; time of the slowest kernel in a round
+ROUNDS = 500  # measured: rounds, of which the shortest time of each kernel counts
 COUNT = 64  # measured: states at which kernels are timed
-SPREAD = 1e-3  # measured: m or rad, and m/s or rad/s, by which states about a start differ
+SPREAD = 1e-3  # measured: m or rad, and m/s or rad/s; spread of the states about a start
 ORIGIN = Origin("linkwright", (), "0" * 64, "python -m codegen explain")
-MEASURED = 2  # measured: runs of which the faster counts; the first may find cold caches
+MEASURED = 2  # measured: runs, of which the faster counts; the first may find cold caches
 
 
 class States(NamedTuple):

@@ -1,4 +1,4 @@
-"""What a generated file is to its readers: how it is signed, checked, named and imported.
+"""Generated files for their readers: signature, check, name and import.
 
 Both sides of the compiler use this module, the driver to compile a file that it has written and
 the runtime to load one. It imports nothing of the compiler.

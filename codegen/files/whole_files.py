@@ -15,7 +15,7 @@ from codegen.errors import InputError
 from codegen.termination_signals import SignalDeferral
 
 _PREFIX = ".linkwright-"  # of the folder in which a file is written
-_NEW = 60.0  # safety: s; a folder of this age is locked by the process that made it, if that lives
+_NEW = 60.0  # safety: s; an older folder counts as locked only if the process that made it lives
 _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 

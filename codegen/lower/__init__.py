@@ -1,1 +1,1 @@
-"""Equations → a `Program`: scalar operations in static single assignment, one kernel a question."""
+"""Equations → a `Program`: scalar operations in static single assignment, and its kernels."""

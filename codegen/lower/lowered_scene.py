@@ -1,4 +1,4 @@
-"""Equations of a scene → the program of all its kernels, of which its outputs select some."""
+"""Equations of a scene → the program with all kernels that its outputs need."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Tree-height reduction: sums and products of a kernel begin with what is known first.
+"""Tree-height reduction: sums and products of a kernel begin with the values known first.
 
 A processor begins an operation once its arguments are there, and has several under way at once. In
 ((a - b) - c) + d, d waits for all before it, even if it alone was known from the beginning. Of the
@@ -14,8 +14,8 @@ from heapq import heapify, heappop, heappush
 from codegen.lower.graph import SUMS, Graph, with_arguments
 from codegen.lower.program import LEAVES, LOGICAL, Kernel, Op, dependencies
 
-LARGEST = 4000  # measured: values of a kernel; a larger one has enough under way at once
-_FUNCTION = 45  # measured: cycles of a sine, and of what is not named below
+LARGEST = 4000  # measured: values of a kernel; a larger one keeps the processor busy in any order
+_FUNCTION = 45  # measured: cycles of a sine, and of all operations not named below
 _CYCLES = {  # measured: of the other operations
     **dict.fromkeys((*LEAVES, *LOGICAL, Op.SELECT, Op.NEG), 0),
     Op.ADD: 4, Op.SUB: 4, Op.MUL: 4, Op.DIV: 14, Op.SQRT: 18,

@@ -1,4 +1,4 @@
-"""Folders and files of machine code, named by all that it was made from: nothing in them is old.
+"""Folders and files of machine code, named by a hash of all sources, so that none is stale.
 
 The name has a hash of the sources, of the versions and of the processor. Whoever has another one
 of these looks elsewhere, and a process that is killed while it writes leaves nothing that another
@@ -32,7 +32,7 @@ CHOSEN = str(_config.CACHE_DIR)
 """The folder that a user has chosen: NUMBA_CACHE_DIR."""
 
 _ELSEWHERE = {"NUMBA_CACHE_DIR", "NUMBA_NUM_THREADS", "NUMBA_THREADING_LAYER"}
-_KEPT = 4  # safety: states of one thing's sources whose machine code is kept, the newest
+_KEPT = 4  # safety: newest versions of the sources whose machine code is kept
 _deciding = threading.RLock()  # where numba keeps functions: all threads share its setting
 
 

@@ -1,4 +1,4 @@
-"""A lock that one process at a time has, by a file."""
+"""A lock by a file, which one process at a time can hold."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

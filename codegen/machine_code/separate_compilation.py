@@ -26,7 +26,7 @@ from codegen.machine_code.undocumented_names import CodeLibrary, CpuCodegen
 
 _llvm: Any = binding  # which is untyped
 
-_LONG = 150  # measured: lines of a body; LLVM inlines hardly anything as long as that
+_LONG = 150  # measured: lines of a function; LLVM inlines hardly any longer ones
 _KIND = "object and symbols"  # code: of what is serialized; numba's are "object" and "bitcode"
 _DEFINITION = re.compile(
     r"^define (?:linkonce_odr )?(?P<head>[^\n]*@(?P<name>[^\n(]+)\([^\n]*) \{\n(?P<body>.*?)^\}\n",

@@ -1,4 +1,4 @@
-"""What is imported of numba beyond its documentation.
+"""The imports of numba that its documentation lacks.
 
 Only this package imports `numba.core`, `numba.np` or `llvmlite`, and only this module what the
 documentation of either lacks. docs/development/undocumented-names.md has a table of all names that

@@ -37,9 +37,9 @@ class MovingBodies(Constraints):
     ) -> Body:  # fmt: skip
         """A rigid body with its centre of mass at its origin.
 
-        With an outline its points are given in the axes of the outline's drawing; mass, inertia and
-        centre of mass follow. Its coordinates x, y are those of the centre of mass all the same,
-        which is at ``center`` of the drawing.
+        With an outline, points of the body are given in the axes of the outline's drawing; mass,
+        inertia and centre of mass follow. The coordinates x, y are still those of the centre of
+        mass, which is at ``center`` in the drawing.
 
         Parameters
         ----------

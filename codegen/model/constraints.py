@@ -74,7 +74,7 @@ class Constraints(Declarations):
     ) -> Constraint:
         """A massless link of `length` between two points.
 
-        With `instead_of`, a body, the link acts in the scenes that leave this body out.
+        With `instead_of`, a body, the link acts only in the scenes that leave this body out.
         """
 
     @declares(RevoluteTranslational)
@@ -119,7 +119,7 @@ class Constraints(Declarations):
         line
             Angle of the line from centre `i` to centre `j`, rad, at which the teeth mesh with φ_i =
             φ_j = 0. By default it follows from the bearings of the centres, with the carrier at φ =
-            0; without such bearings it is 0. Bodies that welds join count as one.
+            0; without such bearings it is 0. Welded bodies count as one.
         """
 
     @declares(RackAndPinion)
@@ -226,9 +226,9 @@ class Constraints(Declarations):
 
         The expressions must be smooth in the coordinates. Pieces of powers, sines and cosines are
         smooth if their values and slopes agree on both sides of a condition that is linear in a
-        coordinate; steps end where pieces meet. A motion that comes to a root at 0 where the slope
-        jumps, to an end of asin or acos, to the cut of atan2, or to a pole ends there, and its
-        message names the constraint.
+        coordinate; steps end where pieces meet. A motion ends where it reaches a pole, an end of
+        asin or acos, the cut of atan2, or a root at 0 whose slope jumps; the message names the
+        constraint.
         """
         read = (self._value(e, "", f"constraint '{name}'") for e in phi)
         equations = tuple(closed_where_smooth(e) for e in read)
@@ -272,8 +272,8 @@ class Constraints(Declarations):
         cam
             ``body.circle(...)``, ``body.polar(...)`` or ``body.curve(...)``.
         face, axis
-            A point on the face, and the face's direction in the follower's frame: turned by 90°
-            counter-clockwise it points from the cam into the follower.
+            A point on the face, and the direction of the face in the follower's frame. This
+            direction, turned by 90° counter-clockwise, points from the cam into the follower.
 
         Notes
         -----

@@ -1,4 +1,4 @@
-"""What keeps bodies apart or rubs between them: contacts, friction, stops, clearances."""
+"""Effects between bodies that touch or rub: contacts, friction, stops, clearances."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -54,8 +54,8 @@ class Contacts(Declarations):
             For a rigid contact: the typical size of its reactions, N; None: the weight of the
             bodies of the scene.
         fidelity
-            ``"penalty"`` or ``"rigid"``, for a contact with the numbers of both: the fidelity in
-            scenes that do not choose one.
+            ``"penalty"`` or ``"rigid"``: the default fidelity of a contact that has the numbers of
+            both.
         """
         where = f"contact '{name}'"
         gap, bodies = self._gap(name, i, j, free_length, direction, gap)
@@ -166,18 +166,18 @@ class Contacts(Declarations):
         coefficient
             μ.
         creep
-            Of a law that is regularised at rest: the speed, in m/s or, in a revolute joint, rad/s,
-            below which the joint creeps. Without it the joint sticks.
+            The speed below which the joint creeps, in m/s, or in rad/s for a revolute joint; the
+            law is then regularised at rest. Without it the joint sticks.
         radius
-            Of a revolute joint's pin, m.
+            The radius of a revolute joint's pin, m.
         length
-            Of a translational joint's bearing, m: its moment then presses at both ends.
+            The length of a translational joint's bearing, m: the moment then presses on both ends.
         static
             μ_s of a joint that sticks, at least μ; None: μ.
         fidelity
-            ``"sticking"`` or ``"regularised"``: the fidelity in a scene that does not say.
-            Without it a friction with a creep speed is regularised, and one without sticks; with it
-            a declaration may give the numbers of both.
+            ``"sticking"`` or ``"regularised"``: the fidelity in scenes that do not choose one. It
+            allows the numbers of both. Without it, a friction with a creep speed is regularised,
+            and one without a creep speed sticks.
         """
         law: JointFriction = self._element(
             JointFriction, name=name, joint=joint, coefficient=coefficient, creep=creep,
@@ -215,11 +215,11 @@ class Contacts(Declarations):
         static
             μ_s of a friction that sticks, at least μ; None: μ.
         creep
-            Of a law that is regularised at rest: the speed in m/s below which it creeps.
+            The speed in m/s below which the surfaces creep, for a law that is regularised at rest.
         fidelity
-            ``"sticking"`` or ``"regularised"``: the fidelity in a scene that does not say.
-            Without it a friction with a creep speed is regularised, and one without sticks; with it
-            a declaration may give the numbers of both.
+            ``"sticking"`` or ``"regularised"``: the fidelity in scenes that do not choose one. It
+            allows the numbers of both. Without it, a friction with a creep speed is regularised,
+            and one without a creep speed sticks.
         """
         where = f"dry friction '{name}'"
         if slip is not None:

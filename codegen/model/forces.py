@@ -45,14 +45,14 @@ class Forces(Declarations):
         fx, fy
             In N, any expressions of t, q, q̇ and parameters.
         when
-            A condition, while which the force acts; None: always.
+            The force acts while this condition holds; None: always.
         frame
             ``"ground"`` for global axes, ``"body"`` for those of the body of `on`.
         from_
             The body that exerts the force, on which (-fx, -fy) acts at the same place; None: none.
         label
-            What the events of `when` are called, such as ``"valve opens / valve closes"``: the
-            words for its begin, and behind a slash those for its end.
+            The name of the events of `when`, such as ``"valve opens / valve closes"``: one for the
+            instant at which `when` begins to hold, and one for its end.
         """
 
     @declares(AppliedTorque, body="on")
@@ -69,11 +69,11 @@ class Forces(Declarations):
         value
             In N m, counter-clockwise positive, any expression of t, q, q̇ and parameters.
         when
-            A condition, while which the torque acts; None: always.
+            The torque acts while this condition holds; None: always.
         from_
             The body that exerts the torque, on which the opposite acts; None: none.
         label
-            What the events of `when` are called.
+            The name of the events of `when`.
         """
 
     @declares(LineForce)
@@ -90,21 +90,21 @@ class Forces(Declarations):
             In N, positive where it pulls the points together: an expression of t, q, q̇, tables and
             parameters, or a function of the length ℓ, m, and its rate ℓ̇, m/s, that returns one.
         when
-            A condition, while which the force acts; None: always.
+            The force acts while this condition holds; None: always.
         label
-            What the events of `when` are called.
+            The name of the events of `when`.
         """
 
     def label(self, condition: Any, words: str) -> Any:
-        """Call the events of a condition by words, wherever it stands; returns the condition.
+        """Name the events of a condition, wherever the condition stands; returns the condition.
 
         Parameters
         ----------
         condition
-            A comparison in a piecewise force, a `when=` or another law, or its opposite.
+            A comparison in a piecewise force, a `when=` or another law, or the opposite comparison.
         words
-            What happens where it begins to hold, and behind ``" / "`` where it ceases to, such as
-            ``"exhaust valve opens / exhaust valve closes"``.
+            The event when the condition begins to hold and, after ``" / "``, when it ceases to,
+            such as ``"exhaust valve opens / exhaust valve closes"``.
         """
         self._read.condition(condition, f"label {shown(words)}", words or " ")
         return condition
@@ -269,15 +269,15 @@ class Forces(Declarations):
 
     @declares(OneWayClutch, i="driver", j="driven")
     def one_way_clutch(self, name: str, driver: Body, driven: Body, capacity: Any = None) -> Effect:
-        """A freewheel: `driver` turns `driven` counter-clockwise, which may overrun it.
+        """A freewheel: `driver` turns `driven` counter-clockwise, and `driven` may overrun it.
 
-        It is rigid: while it grips, both bodies have one speed. If the driver would be faster at an
-        instant, at a start or after the impact of a contact, an impact gives both the same speed.
+        It is rigid: while it grips, both bodies have one speed. If the driver is faster at the
+        start or after the impact of a contact, an impact gives both the same speed.
 
         Parameters
         ----------
         driver, driven
-            The bodies i and j of ω_j - ω_i ≥ 0; for a clutch that drives clockwise exchange them.
+            The bodies i and j of ω_j - ω_i ≥ 0; exchange them for a clutch that drives clockwise.
         capacity
             T_c in N m, the torque at which the clutch slips; None: it never does.
         """

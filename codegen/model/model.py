@@ -107,9 +107,9 @@ class Model(Values, Scenes, Forces, Contacts):
         parameters
             Values by name, in SI units or as texts, ``"45 mm"``, in place of the defaults.
         assembled
-            Whether the joints are closed first, as for a run. If they cannot be closed, which is a
-            warning that says why, or with False, the machine is drawn at its guesses, and a dashed
-            line shows how far each joint is open.
+            Whether the joints are closed first, as for a run. With False, or if a warning says that
+            they cannot be closed, the machine is drawn at its guesses, and a dashed line shows how
+            far each joint is open.
         dimensions, forces, frames, names
             Whether to draw the distances between the points of a body, m; the applied forces, to
             scale; the frames x'-y' and centres of mass; the names of bodies and joints.

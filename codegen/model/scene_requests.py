@@ -1,4 +1,4 @@
-"""What a modeller writes of a scene, read into its request: elements, fidelities, outputs.
+"""The request of a scene, read from a modeller's arguments: elements, fidelities, outputs.
 
 An element is declared once; each scene takes it as finely as its question needs.
 """
@@ -76,10 +76,10 @@ class SceneRequests(MovingBodies, Connections):
     ) -> str:
         """Elements that stand for one another, of which a scene takes one choice; returns `name`.
 
-        A cam's follower that is held to the cam or may leave it, a spring of six masses or of
-        fifty: each choice names the bodies, joints, effects and drivers that only it has. In a
-        scene with ``fidelity={name: choice}`` its effects and drivers act, and nothing of the other
-        choices takes part. A scene that says nothing has the default's bodies and joints.
+        Example: a follower that is held to its cam or may leave it. Each choice names the bodies,
+        joints, effects and drivers that only it has. A scene with ``fidelity={name: choice}`` has
+        the effects and drivers of this choice, and nothing of the others. A scene that names no
+        choice has the bodies and joints of the default.
 
         Parameters
         ----------

@@ -54,7 +54,7 @@ class Scenes(SceneRequests):
     ) -> Scene:  # fmt: skip
         """Declare a scene: the elements that act, start values and outputs.
 
-        With the name alone it returns the scene that was declared under it, to be varied:
+        With the name alone it returns the declared scene of this name, from which others follow:
         ``model.scene("compressor").without("gas").with_("rub", fidelity="sticking")``.
 
         Parameters
@@ -62,7 +62,7 @@ class Scenes(SceneRequests):
         effects, drivers
             Elements that act, by name or by the object that their declaration returned.
         extends
-            A scene whose elements and values hold unless this scene states its own, also as ``{}``.
+            A scene whose entries hold here unless this scene states its own, even ``{}``.
         without
             Bodies that do not take part, with the joints and effects on them; or joints, effects
             and drivers alone.
@@ -76,25 +76,25 @@ class Scenes(SceneRequests):
             Values that must hold at the beginning: ``{"crank.phi": π, "crank.omega": 30}``.
         guess
             Values from which assembly starts. A coordinate without one starts from 0, and the place
-            of a contact from its place for the values of the bodies.
+            of a contact from its place at the bodies' start values.
         parameters
             Values that replace the declared defaults in this scene.
         frozen
             Fold the parameters into the code.
         analysis
-            ``"dynamics"``, the default; ``"kinematics"``, which compiles neither masses nor forces;
-            or ``"equilibrium"``, which compiles nothing that only a motion needs.
+            ``"dynamics"``, the default; ``"kinematics"``, without masses and forces; or
+            ``"equilibrium"``, without the kernels that only a motion needs.
         until
             Conditions that end a run, by name: ``{"landed": ball.y < 0}``. A run ends at the
-            instant at which one begins to hold, located as events are.
+            instant at which one begins to hold, which is located like an event.
         outputs
             Outputs in addition to the motion: ``"reactions"``, ``"energy"``, ``"powers"``, or those
-            of one element, ``"reaction(A)"``, ``"power(gas)"``. Without it, and by ``"default"`` in
-            a list, these are the three groups without the powers of effects with a potential. The
-            others are ``"force(strut)"``, and ``torque``, ``length``, ``angle``, ``rate``,
+            of one element, ``"reaction(A)"``, ``"power(gas)"``. By default, and by ``"default"`` in
+            a list, these are the three groups without the powers of effects with a potential. Other
+            outputs are ``"force(strut)"``, and ``torque``, ``length``, ``angle``, ``rate``,
             ``deflection``, ``gap``, ``penetration`` and ``potential`` in the same way;
-            ``"point(tip)"``, tracked; ``"work(gas)"``, integrated along a simulation. ``"forces"``
-            and so on are those of all elements, and ``"all"`` is everything.
+            ``"point(tip)"`` of a tracked point; ``"work(gas)"``, which a simulation integrates.
+            ``"forces"`` and other plurals name those of all elements, and ``"all"`` everything.
         """
         base = self.scenes.get(str(name))
         words = (effects, drivers, extends, without, couplers, fidelity, start, guess, parameters)

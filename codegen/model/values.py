@@ -21,7 +21,7 @@ from codegen.tables.period import misfit, with_closing_row
 from codegen.tables.piecewise_cubic import Beyond, Ends, Kind, Table, excess, fit
 from codegen.tables.table_function import FEWEST, TableFunction, point_problems
 
-_EXCESS = 0.05  # safety: of the range of the data; a curve that leaves it by more swings
+_EXCESS = 0.05  # safety: of the range of the data; a curve that exceeds it by more oscillates
 
 ZERO = sympy.S.Zero
 KINDS, BEYOND, ENDS = get_args(Kind), get_args(Beyond), get_args(Ends)
@@ -65,7 +65,7 @@ class Values(Declarations):
         ----------
         value
             The default: a number in `unit`, or a text such as ``"45 mm"`` or a pint quantity that
-            converts to it; without `unit` a text brings its own.
+            converts to it; without `unit`, the unit of the text counts.
         unit
             Such as ``"kg m^2"`` or ``"mm"``; empty for a pure number. It is the unit of this number
             alone: equations, results and numbers given at run time are in SI.
@@ -101,9 +101,9 @@ class Values(Declarations):
     ) -> TableFunction:  # fmt: skip
         """A function through points, of a coordinate, a length, a velocity, a parameter or t.
 
-        Called with an expression, ``pressure(crank.phi)`` or ``law(t)``, it may stand in forces,
-        potentials, motion laws, profiles and constraints, with exact derivatives. Steps end where a
-        derivative of the table jumps; a run that leaves the table ends with its name.
+        A call, ``pressure(crank.phi)`` or ``law(t)``, may stand in forces, potentials, motion laws,
+        profiles and constraints, with exact derivatives. Steps end where a derivative of the table
+        jumps. A run ends where it leaves the table, and the message names the table.
 
         Parameters
         ----------
@@ -112,14 +112,14 @@ class Values(Declarations):
             three for ``"akima"``, four for ``"spline"``; of a periodic table one more.
         periodic
             Whether the function is periodic; then the last point repeats the first, a period later.
-            Over an angle the period is a whole number of turns, or a turn divided by a whole
-            number.
+            The period of a function of an angle is a whole number of turns, or a turn divided by a
+            whole number.
         units
-            Units of the numbers of x and y, which are converted to SI. The argument of the table
-            and its place in a law must have these units where their units are known: quantities,
-            coordinates, velocities, t.
+            Units of the numbers of x and y, which are converted to SI. If the units of the table's
+            argument and of its place in a law are known (quantities, coordinates, velocities, t),
+            they must be these.
         kind
-            ``"pchip"``, for data: monotone where they are, no overshoot, a continuous slope.
+            ``"pchip"``, for data: monotone where the data are, no overshoot, a continuous slope.
             ``"linear"``: straight from point to point. ``"akima"``: rounder than pchip, with little
             overshoot. ``"spline"``, for smooth functions: continuous second derivatives, which
             constraints on coordinates and profiles need; it oscillates where data have a corner.
@@ -193,7 +193,7 @@ class Values(Declarations):
     ) -> Velocity:
         """A state of first order, ẏ = rate: the current of a motor, a filter, a pressure.
 
-        It returns the symbol of y, which may be used wherever a velocity may: in forces, torques,
+        It returns the symbol of y. The symbol may be used like a velocity: in forces, torques,
         conditions and rates of other states, but not in laws of motion and potentials. A scene for
         dynamics contains a state if one of its effects does, or if it names the state among its
         effects.
@@ -202,8 +202,8 @@ class Values(Declarations):
         ----------
         rate
             ẏ, an expression in `unit` per second of t, q, q̇, states and parameters; or a function
-            of y that returns one, ``lambda i: (u - R*i) / L``; or None if `state_equation` gives it
-            later, for states whose rates contain one another.
+            of y that returns one, ``lambda i: (u - R*i) / L``; or None if `state_equation` gives
+            the rate later, for states whose rates contain one another.
         start
             y at the start of a run, in `unit`, unless the scene or the run says otherwise.
         unit
@@ -241,11 +241,11 @@ class Values(Declarations):
         self, name: str, every: Any = None, value: Any = None, delay: Any = 0, start: Any = 0,
         unit: str = "", nominal: Any = 1, when: Any = None,
     ) -> Velocity:  # fmt: skip
-        """A value that a clock or an event renews, and that is kept in between.
+        """A value that a clock or an event renews; between renewals it is constant.
 
         It returns the symbol of the value, as `state` does. The expression is evaluated at t = 0,
         `every`, 2 `every` …. Values that are renewed at one instant are evaluated in the order of
-        their declaration, each from the new values before it. Steps end at samples.
+        their declaration; each sees the new values of those before it. Steps end at samples.
 
         Parameters
         ----------

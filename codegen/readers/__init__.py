@@ -1,4 +1,4 @@
-"""Readers of what a user gives: declarations, runs and files use the same ones.
+"""Readers of a user's input, the same for declarations, runs and files.
 
 A reader takes a value and returns a plain one, or raises `KindError`. `values` has numbers, flags,
 texts, lists and names; `arguments` reads the arguments of public functions; `quantities` reads

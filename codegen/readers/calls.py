@@ -1,4 +1,4 @@
-"""Public functions, methods and classes: called wrongly, they say what they take.
+"""Errors of wrong calls: a public function, method or class names the arguments that it takes.
 
 A wrong call names the callable, what it takes and what was given; an attribute that an object does
 not have is answered with those that are spelt alike. Signatures are shown as a person reads them.

@@ -1,4 +1,4 @@
-"""Expressions of SymPy: what of them is no finite real number, and numbers made into them."""
+"""Expressions of SymPy: search for parts that are not finite and real; numbers as expressions."""
 
 import math
 from fractions import Fraction
@@ -14,7 +14,7 @@ UNFINISHED = (sympy.Limit, sympy.Derivative, sympy.Subs, ExprWithLimits)
 """What stands for an expression that is still to be found."""
 NUMBERLESS = (sympy.I, sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
 
-_SMALLEST = 1e-300  # safety: of a number that multiplies a power; one that is smaller is inside
+_SMALLEST = 1e-300  # safety: of the factor of a power; a smaller factor stays inside the power
 _DIGITS = 4000  # safety: of a whole number; Python refuses to write one of more than 4300
 
 

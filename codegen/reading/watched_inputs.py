@@ -1,4 +1,4 @@
-"""What a model asks for while its file runs: files, folders, variables of the environment.
+"""The inputs that a model file reads as it runs: files, folders, variables of the environment.
 
 Python's audit events tell what is opened, listed and imported, as far as the model's own files or
 another thread ask for it, however deep: not what a package opens that is being imported. Nobody can

@@ -1,1 +1,1 @@
-"""The reference: a page a kind of element, written from the expressions that are compiled."""
+"""The reference: a page for each kind of element, written from the compiled expressions."""

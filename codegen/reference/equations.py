@@ -16,16 +16,16 @@ NUMBERS = ("No", "One", "Two", "Three", "Four", "Five", "Six")
 
 HELD = {
     "friction": (
-        "σ is 1 where {g} is positive, in mode 1, and -1 where it is negative, in mode 0. Where "
-        "both sides push onto {g} = 0 the motion stays there, with σ between them."
+        "In mode 1 {g} is positive and σ is 1; in mode 0 {g} is negative and σ is -1. Where "
+        "both sides push onto {g} = 0 the motion stays there, with σ between -1 and 1."
     ),
     "contact": (
-        "σ is 0 where {g} is positive, in mode 1, and 1 in mode 0. While the contact is closed, "
-        "{g} = 0, σ is the number from 0 to infinity that keeps it so."
+        "In mode 1 {g} is positive and σ is 0; in mode 0 σ is 1. While the contact is closed, "
+        "{g} = 0, a run finds the σ, from 0 to infinity, that keeps {g} at 0."
     ),
     "clutch": (
-        "σ is 0 where {g} is positive, in mode 1, and 1 in mode 0. While the clutch grips, "
-        "{g} = 0, σ is the number from 0 to infinity that keeps it so."
+        "In mode 1 {g} is positive and σ is 0; in mode 0 σ is 1. While the clutch grips, "
+        "{g} = 0, a run finds the σ, from 0 to infinity, that keeps {g} at 0."
     ),
 }
 """The meaning of the symbol of a friction, contact or freewheel."""
@@ -60,11 +60,11 @@ def constraint_sections(element: Constraint) -> Iterator[str]:
         yield f"with\n\n{aligned(meanings)}"
     yield from _placeholders(statement, terms)
     if slopes:
-        yield f"The Jacobian Φ_q, its other entries being 0:\n\n{aligned(slopes)}"
+        yield f"The entries of the Jacobian Φ_q that are not 0:\n\n{aligned(slopes)}"
     yield (
-        "The right sides of the velocities, ν = -Φ_t, and of the accelerations, "
+        "The right-hand sides of the velocities, ν = -Φ_t, and of the accelerations, "
         "γ = -(Φ_q q̇)_q q̇ - 2 Φ_qt q̇ - Φ_tt"
-        + (f"; those that are not 0:\n\n{aligned(right)}" if right else ", are 0.")
+        + (f", where they are not 0:\n\n{aligned(right)}" if right else ", are 0.")
     )
     yield "## Reaction\n\n" + "\n\n".join(report)
 
@@ -82,15 +82,15 @@ def effect_sections(equations: Equations, element: Effect) -> Iterator[str]:
     sections: list[tuple[str, Pairs]] = [
         ("The potential energy, J", [("V", short(e)) for e in energy]),
         (
-            "Its gradient; the generalized forces are the opposite",
+            "Its gradient; the generalized forces are its negative",
             [(rf"V_{{{latex(q)}}}", short(e)) for q, e in terms.gradient if e != 0],
         ),
         (
-            f"{other}, N along lengths and N m along angles",
+            f"{other}, in N along lengths and in N m along angles",
             [(rf"Q_{{{latex(q)}}}", short(e)) for q, e in terms.forces],
         ),
         (
-            "The slip, what presses in the joint by its own reaction, and the force along the slip",
+            "The slip, the normal force N from the joint's reaction, and the force along the slip",
             [(left, short(e)) for left, e in rubbing],
         ),
     ]
@@ -178,13 +178,13 @@ def _reaction(
             f"the element's point of body {on}" if reaction.arm is None else "the point of contact"
         )
         yield (
-            f"The force and the torque that body {giver} exerts on body {taker}, at {where}, in "
-            "axes of which x points along"
+            f"The force and the torque of body {giver} on body {taker} act at {where}. The x axis "
+            "of their components is"
         )
         ux, uy = map(short, reaction.direction)
         yield aligned([("u_x", ux), ("u_y", uy)])
     else:
-        yield "Each multiplier as the force along what its equation holds:"
+        yield "The force or torque along the quantity that each equation prescribes:"
     components = []
     for name, unit, e in terms.reactions:
         brackets = rf"\;[\mathrm{{{unit}}}]".replace(" ", r"\,") if unit else ""

@@ -1,4 +1,4 @@
-"""A kernel's values → parts: repeats become loops, what their turns take becomes operands.
+"""A kernel's values → parts: repeats become loops, whose turns take their operands from tables.
 
 A loop whose operands stand on straight lines in its counter needs no table. Where an elimination
 treats every other bar in another way, a loop over single bars reads now at one distance and now at
@@ -25,10 +25,10 @@ from codegen.reroll.sequence import (
     without,
 )
 
-REPEATS = 12  # measured: copies of a body in a turn at the most; sums of `correction` need ten
-PEELED = 12  # measured: turns that are written out at either end at the most
-LEAST_TURNS = 4  # accuracy: of a loop, by which a straight line is told
-WORTH = 12  # measured: statements of text that one column of a table may cost instead
+REPEATS = 12  # measured: most copies of a body in one turn; sums of `correction` need ten
+PEELED = 12  # measured: most turns that are written out at each end
+LEAST_TURNS = 4  # accuracy: turns of the shortest loop, which show whether indices are linear
+WORTH = 12  # measured: statements of text that cost as much as one column of a table
 
 
 class Outside(NamedTuple):

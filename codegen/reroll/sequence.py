@@ -24,7 +24,7 @@ NUMBER, TIME = "number", "t"
 Slots = npt.NDArray[np.int64]
 WORDS = (4, 16, 64)  # accuracy: lengths of the words whose distances suggest a period
 CANDIDATES = 12  # measured: periods that are tried for a length of words
-LEAST_SAVING = 12  # measured: operations that a loop must save, what it costs in text
+LEAST_SAVING = 12  # measured: operations that a loop must save, as its own text costs as much
 
 
 def order_on_demand(

@@ -6,12 +6,12 @@ import sympy
 
 from codegen.declare.symbols import Coordinate, alpha
 
-# accuracy: of a last abscissa from the end of the period, in parts of the last step; it is that end
+# accuracy: of the last step; a last abscissa that is nearer to the period's end is this end
 _SAME = 0.01
-_ROUNDED = 1e-5  # accuracy: of a number of turns, in parts of it; five digits of π explain it
-# safety: turns; a longer period of an angle is one in degrees: 710 of them are 113 turns, nearly
+_ROUNDED = 1e-5  # accuracy: of a number of turns; a π of five digits makes no larger difference
+# safety: turns; a longer period of an angle is in degrees: 710 of them are nearly 113 turns
 _MOST = 50
-# safety: a period of a whole number or unit fraction of 360, from here on, is one in degrees
+# safety: a longer period that is a multiple or unit fraction of 360 is in degrees
 _DEGREES = 90.0
 _HALF = sympy.Rational(1, 2)
 

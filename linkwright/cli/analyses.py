@@ -57,7 +57,7 @@ def equilibrium(
 def kinematics(
     request: Request, t_end: TEnd, t_start: TStart = 0.0, points: Points = None, out: Out = None
 ) -> None:
-    """Find how the machine must move: the motion that drivers of all freedoms prescribe."""
+    """Find how the machine must move: the motion that its drivers prescribe, leaving no freedom."""
     _carry_out(request, out, lambda machine: machine.kinematics(**_prescribed(request, machine)))
 
 

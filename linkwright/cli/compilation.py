@@ -151,8 +151,8 @@ def explain(
     ),
     measure: bool | None = study(
         None,
-        "Compile the parts of accelerations and time them, some seconds a scene; the default for "
-        "one scene or a comparison."
+        "Compile and time the parts of accelerations, some seconds for each scene; the default "
+        "for one scene or a comparison."
     ),
     run: float | None = study(
         None, "Also run the scene for this many seconds; its time is shared among the parts."

@@ -47,8 +47,8 @@ def accuracy(
     request: Request,
     quantities: list[str] | None = quantity(
         None, "A series that is compared, such as crank.phi; repeat for more. Unless given, the "
-        "coordinates that the scene starts from, and their velocities. a.x|b.x is whichever of "
-        "them a scene has.", "--quantity"
+        "coordinates that the scene starts from, and their velocities. a.x|b.x is the one of both "
+        "that a scene has.", "--quantity"
     ),
     t_end: OptionalTEnd = None, t_start: MotionStart = 0.0,
     methods: list[str] | None = method(
@@ -92,7 +92,7 @@ def matters(
     ),
     t_end: OptionalTEnd = None, t_start: MotionStart = 0.0,
     error: float | None = study(
-        None, "Largest relative change; asks for the cheapest scene within it."
+        None, "Largest permitted relative change; the cheapest scene within it is proposed."
     ),
     analysis: Analysis = None,
     fidelities: bool = study(

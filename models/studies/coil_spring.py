@@ -29,8 +29,8 @@ STIFFNESSES = (50.0, 40.0, 30.0)
 FREE_LENGTH = 0.2
 SPEED = -0.1
 UNCONVERGED = (
-    "not converged: with rtol 1e-3 to 1e-5 ours, too, scatters by 0.3 s; no contact stiffness from "
-    "1e3 to 1e8 N/m gives the three times"
+    "not converged: with rtol 1e-3 to 1e-5 our time, too, scatters by 0.3 s; no contact stiffness "
+    "from 1e3 to 1e8 N/m reproduces its three times"
 )
 
 

@@ -17,10 +17,10 @@ from runtime import Result, load
 FLYWHEELS = (225.0, 450.0, 900.0)
 ROD_LENGTHS = (3.5, 2.5, 2.2, 2.1, 1.9)
 DRIVE_SPEEDS = {"2π": 2 * pi, "4π": 4 * pi}
-PLOT = "reading of a plot"
+PLOT = "read from a plot"
 LOOSE = "stopped early: 4.67 N m are left at the crank"
 EARLY = "stopped early, as in table 8.2.3"
-UNITS = "there the gas force was 1000 times too small"
+UNITS = "the gas force was 1000 times too small there"
 ROUNDED = "rounded"
 
 

@@ -28,7 +28,7 @@ MASSES, ROCKER, ARM, LIFT, PRELOAD = 0.12 + 0.06, 1.8e-4, 0.06, 0.0025, 0.03
 SEPARATES = {(10.0, 3000.0), (25.0, 4500.0)}
 """What the book finds unacceptable."""
 
-LOWEST = "there the force is lowest; it vanishes before"
+LOWEST = "the force is lowest then; it vanishes earlier"
 Array = npt.NDArray[np.float64]
 
 

@@ -51,7 +51,7 @@ def _free(runs: Study) -> Figure:
     gap = 1e3 * (free.q("pushrod.y") - np.interp(free.t, held.t, held.q("pushrod.y")))
     apart.plot(1e3 * free.t, np.maximum(gap, 0.0), color=UNDER)
     apart.axvline(1e3 * parts_at(free), color="black", linewidth=0.8, linestyle=":")
-    lift.set(title="What the negative force announces: k = 10 N/cm, 3000 rpm",
+    lift.set(title="Separation after the negative force: k = 10 N/cm, 3000 rpm",
              ylabel="lift of the pushrod, mm")  # fmt: skip
     lift.legend(loc="upper left")
     apart.set(xlabel="t, ms", ylabel="gap between cam and face, mm", xlim=(0, 1e3 * free.t[-1]))

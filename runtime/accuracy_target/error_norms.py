@@ -20,7 +20,7 @@ from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.module_tables import Description
 from runtime.results.result import Result
 
-_RESTING = 1e-9  # accuracy: share of a typical size per second below which a velocity is at rest
+_RESTING = 1e-9  # accuracy: share of a typical size per second, below which a velocity is rest
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Two runs compared: how large their difference is, when, how it grows, the error that it shows.
+"""Comparison of two runs: the size and growth of their difference, and the error that follows.
 
 Runs that a condition ends have ends of their own. These are compared with each other, as are the
 instants at which joints come and go: each is a quantity, with an error of its own. The result of a
@@ -20,16 +20,16 @@ from runtime.results.motion_at_instants import end_after
 from runtime.results.result import Result
 from runtime.results.run_records import Estimate, ReachedAccuracy
 
-DIVERGED = 0.1  # accuracy: scaled difference of runs that have nothing in common any more
+DIVERGED = 0.1  # accuracy: scaled difference from which on two runs are unrelated
 ROUNDING = 2e-13  # accuracy: rtol from which on rounding keeps errors from falling
 
-_SCATTER = 4.0  # measured: of the errors of two runs, about a fall in proportion to rtol
-_SLOWEST = 0.8  # measured: power of rtol with which errors fall over several powers of ten
-_LEAST = 1e-13  # accuracy: difference below which there is nothing but rounding
-_MOST = 1e-2  # accuracy: difference from which on it no longer grows as a small one does
-_STRAY = 10.0  # measured: difference over the second run's motion from which on it is an error
-_EACH, _ALL = 3.0, 30.0  # measured: growth over a quarter of an exponential divergence, over two
-_ENOUGH = 16  # safety: instants from which growth is estimated
+_SCATTER = 4.0  # measured: scatter of the ratio of two runs' errors about the ratio of their rtol
+_SLOWEST = 0.8  # measured: least power of rtol with which errors fall over several powers of ten
+_LEAST = 1e-13  # accuracy: difference below which there is only rounding
+_MOST = 1e-2  # accuracy: difference from which on its growth is no longer that of a small one
+_STRAY = 10.0  # measured: ratio of a difference to the second run's motion that is no divergence
+_EACH, _ALL = 3.0, 30.0  # measured: exponential growth over a quarter of the time, and over two
+_ENOUGH = 16  # safety: least number of instants for an estimate of growth
 _LEAST_SHARE = 0.1  # safety: least share of a difference where the motions diverge later
 
 

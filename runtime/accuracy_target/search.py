@@ -1,4 +1,4 @@
-"""Search for a tolerance with which the global error meets a target: two runs if well guessed.
+"""Search for a tolerance with which the global error meets a target: two runs or a few more.
 
 The error of a run is about C times its relative tolerance, with C from 1 to 3000 on most machines
 and known for none beforehand; it scatters about that line by a power of ten. A run is therefore
@@ -59,20 +59,20 @@ FINEST = 1e-12  # accuracy: tightest target; rounding shows below it
 COARSEST = 0.1  # accuracy: loosest target
 WIDE = 1e-3  # measured: rtol of the second run over that of the first
 _STIFF = 0.03  # measured: the same with an implicit method
-_CHANGED = 1.5e-3  # measured: the same with an implicit method after an explicit one
+_CHANGED = 1.5e-3  # measured: the same if an implicit method follows an explicit one
 _DECAY = 2.0  # measured: -h Re λ in explicit steps from which on an implicit method costs less,
 _COARSE = 1e-8  # measured: and its rtol down to which it does
-_SHORT = 25  # measured: such steps below which BDF, which begins at order one, is not worth it
+_SHORT = 25  # measured: explicit steps; if they are fewer, BDF, which begins at order 1, is slower
 _FIRST, _SLOPE = 5e-4, 0.9  # measured: rtol of the first run for a target of 1e-3; its power law
 _LOOSEST, _TIGHTEST = 1e-3, 1e-14  # safety: rtol of any run
-_LAST = 3e-14  # measured: the same where errors are small; a tighter run errs more, by rounding
+_LAST = 3e-14  # measured: the same where errors are small; with a smaller rtol rounding grows
 _NEAR, _FAR = 0.1, 1e-6  # safety: rtol of later runs over that of the last
 _EXPECTED_POWER = 0.85  # measured: power of rtol with which errors are expected to fall
-_MARGIN = 0.5  # safety: share of the target that a run is planned for, and judged by
-_NEXT = 0.03  # measured: rtol of the next run over that of the last, if that shows nothing
+_MARGIN = 0.5  # safety: share of the target for which a run is planned, and by which it is judged
+_NEXT = 0.03  # measured: rtol of the next run over that of the last, if the last shows nothing
 _MOST_RUNS = 8  # safety
-_PACED = 1.2  # safety: ratio of steps below which samples bound them, not the tolerances
-_SAMPLED = 1e-3  # safety: longest step, of the whole time, where runs agree to the last digit
+_PACED = 1.2  # safety: ratio of numbers of steps below which samples limit them, not tolerances
+_SAMPLED = 1e-3  # safety: of the whole time; longest step if two runs agree to the last digit
 
 
 def simulate_to(

@@ -40,7 +40,7 @@ from runtime.validation.finite_equations import require_finite
 
 BoolArray = npt.NDArray[np.bool_]
 
-_UNRESOLVED = 1e-8  # accuracy: rad; distance of neighbouring numbers at which sin φ has no digits
+_UNRESOLVED = 1e-8  # accuracy: rad; distance of neighbouring floats at which sin φ loses its digits
 _NEAR = EPS ** (1.0 / 3.0)  # accuracy: distance d at which the errors d and eps / d² are equal
 # accuracy: distance from which on a position shows on which branch it is
 _DISTINCT = 4.0 * EPS**0.5

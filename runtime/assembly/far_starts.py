@@ -14,9 +14,9 @@ from runtime.assembly.start_values import Start
 from runtime.mechanism.dense_equations import Equations, FloatArray
 
 TURNED = 0.5 * np.pi  # accuracy: rad; a body that turns by more is far from its guess
-_STAYED = 0.05  # measured: rad; where no body turns by more, no loop changes its form
-# measured: determinant, rows of length 1, over that at the start; a guess with a smaller one is
-# near to both forms of its loop
+_STAYED = 0.05  # measured: rad; a loop whose bodies all turn by less keeps its form
+# measured: determinant, in rows of length 1, over that at the start; a guess with a smaller ratio
+# is near to both forms of its loop
 _BETWEEN = 0.05
 
 

@@ -19,8 +19,8 @@ PENALTIES = tuple(float(r) for r in 10.0 ** np.arange(0, 9, 2))
 # measured: the next ones, for a position near to a singular one, which the first do not leave
 _STRONGER = (1e10, 1e12)
 ROUGH = 1e-3  # measured: scaled gap from which on a penalty leads Newton's method
-DIGITS = 4.0  # safety: last digits of the coordinates in a constraint, by which it may be open
-_HALVES = 12  # accuracy: of a gap, in which the part is found that must stay open
+DIGITS = 4.0  # safety: units of rounding of its terms by which a constraint may be open
+_HALVES = 12  # accuracy: halvings of a gap in the search for the part that must stay open
 _RESTARTS = 6  # safety: random starts after the given one has failed
 
 

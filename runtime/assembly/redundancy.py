@@ -1,4 +1,4 @@
-"""Redundant constraints: their detection, and kernels that bear them.
+"""Redundant constraints: their detection, and kernels that can solve with them.
 
 The rows of the joints are eliminated first and the drivers appended, so that a driver without a
 motion left to drive is named as such.
@@ -35,9 +35,9 @@ from runtime.mechanism.typical_sizes import measure_spread
 from runtime.results.assembled_state import Assembly
 
 BoolArray = npt.NDArray[np.bool_]
-# measured: scaled lengths of the displacements at whose ends the rank is taken again
+# measured: scaled lengths of displacements, at whose ends the rank is determined again
 _SIZES = (0.02, -0.05, 0.1, 0.02, -0.05, 0.1, -0.2)
-_CLEARLY = 10.0  # safety: times LOST; a singular value above it, by iteration, is no lost one
+_CLEARLY = 10.0  # safety: times LOST; a singular value above it, by iteration, is not lost
 _SHARE = 1e-6  # accuracy: share of a constraint in a dependency, below which it has none
 _APART = 1e-3  # measured: scaled distance at which a rank deficiency of a single position has ended
 
@@ -206,10 +206,10 @@ def _neighbours(task: Task, q: FloatArray, drivers: BoolArray, v: FloatArray) ->
     return neighbours
 
 
-# accuracy: part of a pivot's reference that the masses alone may cost, in weak pivots: beyond it
-# accelerations have nine digits at most
+# accuracy: in weak pivots: part of a pivot's reference that the spread of masses may take; beyond
+# it accelerations have nine digits at most
 MOST_SPREAD = 1e-2
-DOUBTFUL = 1e-3  # safety: of that; a larger spread in one pose asks for others
+DOUBTFUL = 1e-3  # safety: of `MOST_SPREAD`; with a larger spread in one pose others are examined
 _UNCACHED: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
 _VARIANTS: WeakKeyDictionary[Mechanism, dict[tuple[int, ...], Mechanism]] = WeakKeyDictionary()
 """Compiled once for each mechanism and choice of independent constraints, () of far masses."""

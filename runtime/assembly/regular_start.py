@@ -223,10 +223,10 @@ def close_joints(context: Context, t: float, p: Vector, q: Vector) -> int:
 VELOCITY_CLOSED = 1e-9  # accuracy: residual of Φ_q v = ν, scaled, in parts of the largest speed
 LARGEST = 1e100  # safety: lengths and angles above this overflow when they are squared
 _TURNS = 1e7  # safety: rad; the sines of larger angles lose digits that closing a joint needs
-# measured: weight of a coordinate that the scene names no value of; the others have 1
+# measured: weight of a coordinate without a value in the scene; the others have 1
 _UNNAMED_WEIGHT = 1e-3
-# safety: bound of the least singular value, rows of unit length, of a Jacobian that is far from
-# losing rank: its square root of rounding is 1.5e-8, the distance of a start that is near 6e-6
+# safety: bound of the least singular value, in rows of unit length, of a Jacobian far from losing
+# rank: the root of rounding is 1.5e-8, and a start near a singular position has 6e-6
 _CLEAR = 10.0 * LOST
 
 

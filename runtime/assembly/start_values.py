@@ -1,4 +1,4 @@
-"""Start values of a run: the scene's, and the user's in their place; what became of them."""
+"""Start values of a run: the scene's, or the user's in their place, and how far they were moved."""
 
 from typing import NamedTuple
 

@@ -71,7 +71,7 @@ class Case:
         Name of a model, or path of its file.
     scene
         Name of a scene; or a scene as data, in the words of `Model.scene` with its `name`; or a
-        declared `Scene`, which becomes data. The model's first scene unless given.
+        declared `Scene`, which becomes data. By default the model's first scene.
     analysis
         "simulate", "kinematics", "inverse_dynamics" or "equilibrium".
     parameters, start, guess
@@ -138,7 +138,7 @@ class Case:
         ----------
         path
             Ending in .yaml, .yml or .json; replaces an older one. The path of a model file is
-            written as it is seen from there.
+            written relative to this file's folder.
 
         Raises
         ------
@@ -158,7 +158,7 @@ class Case:
 
     @property
     def path(self) -> Path | None:
-        """The file from which the case was read; None of one that was made in Python."""
+        """The file from which the case was read; None for a case made in Python."""
         return self._document.file
 
     @property

@@ -1,4 +1,4 @@
-"""Repartition in a run: when the independent coordinates are poor, are chosen anew, and logged."""
+"""Repartition in a run: poor independent coordinates are found, replaced, and logged."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
 from runtime.linalg.vectors import copy_vector
 
-GROWTH_LIMIT = 2.0  # measured: entries of H, near one by full pivoting, that call for a repartition
+GROWTH_LIMIT = 2.0  # measured: entry of H, near 1 after full pivoting, that asks for a repartition
 _CHECK_EVERY = 4  # measured: steps between probes of the independent coordinates
 
 

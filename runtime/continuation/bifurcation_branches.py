@@ -27,7 +27,7 @@ _REAL = 1e-6  # accuracy: imaginary part of a root that is rounding
 # accuracy: difference of equal velocities, or of equal distances, in parts of the speed
 _ALIKE = 1e-6
 _FLAT = 1e-9  # accuracy: coefficients of the quadratic equations below this are zero
-_GRID = 3  # safety: lost rows up to which the search for branches starts from a grid
+_GRID = 3  # safety: largest rank deficiency for which the search for branches starts from a grid
 _ITERATIONS = 60  # safety: Newton iterations from each start of that search
 
 
@@ -159,7 +159,7 @@ def _roots(constant: FloatArray, slope: FloatArray, square: FloatArray) -> list[
 DISTANCE = 2e-2
 # measured: multiples of `DISTANCE`, in the order in which they are tried
 _FACTORS = (1.0, 0.5, 2.0, 0.25, 4.0, 0.125)
-# accuracy: distance from its branch, over that of the next branch, at which a state is on it
+# accuracy: distance of a state from its branch, over that from the next branch
 _NEAR = 0.2
 _NODES = (-1.0, 1.0, -2.0, 2.0)  # formula: nodes of the interpolation, in units of the distance
 

@@ -41,19 +41,19 @@ from runtime.singularity.motion_polynomial import taylor
 from runtime.singularity.singular_position_near_motion import Singularity, SingularPositions
 
 _ROUNDING = 64.0 * EPS  # accuracy: gap, in parts of the largest coordinate, that is rounding
-_DRIFT = 1e-4  # accuracy: |uᵀ ν|, the drivers' pace 1, at a branch point or a near miss of one
+_DRIFT = 1e-4  # accuracy: |uᵀ ν| of a branch point or a near miss of one, if the drivers' pace is 1
 _SEEN = 17  # safety: instants at which the drivers' pace is sampled
-# measured: scaled length of a stretch that is traced where no singular position was found
+# measured: scaled length from which on a stretch without a singular position is traced
 _CLOSE = 1e-3
 _ABOUT = 1e-2  # measured: scaled distance of a cause from the position at which the steps get stuck
-# accuracy: distance from its branch, over that of the next branch, at which a state is on it
+# accuracy: distance of a state from its branch, over that from the next branch
 _NEARER = 0.3
 _MOST_STEPS = 20_000_000  # safety: of the predictor-corrector; ten seconds with one body
 _PATIENCE = 100  # safety: searches for a cause in a row without progress
-_WITHIN = 0.99  # measured: part of a zone's reach that is well inside
-# measured: part of the smallest singular value at its start with which a trace has left
+_WITHIN = 0.99  # measured: part of a zone's reach that lies safely inside
+# measured: of the smallest singular value at the start of a trace; from there on the trace has left
 _REGAINED = 0.3
-_WIDE = 1e-2  # measured: or this singular value, with which it has
+_WIDE = 1e-2  # measured: or the singular value from which on it has left
 _FARTHEST = 1.0  # safety: scaled length of a trace
 
 

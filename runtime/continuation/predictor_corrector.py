@@ -41,11 +41,11 @@ _PREDICTED = 0.05  # measured: largest scaled error of a prediction that names t
 _TRAVEL = 0.5  # measured: scaled motion of the longest step
 _TRIES = 4096  # safety: steps, rejected ones included, before an interrupt is heard
 _ITERATIONS = 30  # safety: of Newton's method for a position
-# measured: of the smallest pivot: scaled motion after which pivots are compared again
+# measured: of the smallest pivot; after so much scaled motion pivots are compared again
 _MARGIN = 0.5
-_POOR = 0.5  # measured: of the smallest pivots at both ends; a smaller one in between is suspicious
+_POOR = 0.5  # measured: of the smallest pivots at both ends; a smaller one between is suspicious
 _GOOD = 0.05  # measured: smallest pivot of a state to which the continuation may return
-STEEP = 1e6  # safety: growth of a slope of Phi since the start, from which on it has no bound
+STEEP = 1e6  # safety: growth of a slope of Phi since the start that counts as unbounded
 
 # The record that a continuation keeps. t: instant of the state; barrier: instant to stop at, or not
 # a number; travel: scaled motion since pivots were compared; least: the smallest then, negative

@@ -12,7 +12,7 @@ class Outcome(IntEnum):
     """How a run ended. Everything but `OK` keeps the results up to that time.
 
     An outcome is written as two paragraphs: what happened, its `meaning`, and what to try next, its
-    `advice`. Their numbers, which compiled code knows, are their places.
+    `advice`. Compiled code knows an outcome by its number, which is its place in the list.
     """
 
     meaning: str

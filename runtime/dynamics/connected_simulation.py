@@ -28,9 +28,9 @@ from runtime.results.samples import Samples
 from runtime.validation.arguments import parameter_values, uniform
 
 _MOST = 10_000  # safety: changes of joints in a run
-_AT_ONCE = 16  # safety: changes of joints at one instant, each that of all that come or go
-_IN_A_ROW, _SHORT = 64, 1e-5  # safety: so many changes within that part of a run have no end
-_CLOSED = 1e-6  # safety: of the size of its equation; a joint further open does not engage
+_AT_ONCE = 16  # safety: changes at one instant, each of all joints that come or go
+_IN_A_ROW, _SHORT = 64, 1e-5  # safety: so many changes in this part of a run never end
+_CLOSED = 1e-6  # safety: of the size of its equation; a joint that is open by more does not engage
 
 
 def simulate(

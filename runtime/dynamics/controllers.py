@@ -13,7 +13,7 @@ from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.table_rows import unknown
 
-# safety: answers of a function that a run taken again finds, of some 150 bytes
+# safety: values of a function, some 150 bytes each, that are kept for a repeated run
 _MOST_ANSWERS = 2**18
 
 Functions = Mapping[str, Callable[["Sample"], float]]

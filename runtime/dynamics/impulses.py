@@ -1,4 +1,4 @@
-"""Impulses of joints and drivers where the rate of a law jumps, and velocities with it.
+"""Impulses of joints and drivers where the rate of a law, and so the velocities, jump.
 
 M Δv + Φ_qᵀ Λ = 0, Φ_q Δv = ν⁺ - ν⁻: straight lines as a law of motion ask for them at every knot.
 """

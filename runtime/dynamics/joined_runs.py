@@ -1,4 +1,4 @@
-"""The result of runs that follow one another with other joints each, and the motion behind it."""
+"""The joined result of successive runs with different joints, and its motion at any instant."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -21,7 +21,7 @@ from runtime.results.result import Result
 
 _A_STEP = 4  # measured: instants of a step that are looked at
 _LEAST, _MOST = 1000, 20_000  # safety: such instants of a run
-_ONE_INSTANT = 4e-15  # accuracy: of the time; how far behind what is located a series has jumped
+_ONE_INSTANT = 4e-15  # accuracy: of the time; distance in which a series jumps at an event
 _SIGNS = {"<": -1.0, ">": 1.0}
 
 Conditions = Mapping[str, tuple[str, str, float | str]]

@@ -1,4 +1,4 @@
-"""What follows from states: accelerations, reactions, powers, energies, residuals; and works.
+"""Quantities that follow from states: accelerations, reactions, powers, energies, residuals, works.
 
 A power is smooth within a step and may jump at an event, where a step ends. So a run with works
 samples each step at Gauss' nodes of the intervals between its ends and the output instants in it

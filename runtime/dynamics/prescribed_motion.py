@@ -1,4 +1,4 @@
-"""Kinematics and inverse dynamics: the motion of a machine that its drivers leave no freedom.
+"""Kinematics and inverse dynamics: the motion of a machine whose drivers leave no freedom.
 
 Inverse dynamics adds the forces and torques that the motion takes: the multipliers of the drivers
 produce it. A driver's reaction is what it exerts on the body that it moves. Rigid contacts, whose

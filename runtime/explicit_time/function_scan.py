@@ -32,10 +32,10 @@ from runtime.mechanism.table_rows import TimeFunction
 Function = Any  # the first five arguments of `enclose`, and the rows that may bend sharply
 FUNCTION = tuple_type((integer_matrix, vector, vector, vector, matrix, integers))
 
-# measured: of the range of a value; what it may do in a quarter of an interval, and what it may do
-# there beyond what its two ends show
+# measured: of the range of a value; its largest change in a quarter of an interval, and the largest
+# part of this change that the two ends do not show
 _VARIED, _HIDDEN = 0.25, 0.1
-_LEAST = 1e-2  # safety: of a value's size; a smaller range counts as that
+_LEAST = 1e-2  # safety: of a value's size; least range that is assumed
 _QUARTERS = 4  # measured: parts of an interval at whose ends a function is seen
 _SAMPLES = 64  # measured: instants at which the ranges of values are seen before the search
 _MOST = 250_000  # safety: intervals that are looked at in one call
@@ -154,11 +154,11 @@ def scan(
 
 
 _MOST_MARKS = 4096  # safety: of one function, in one part of a run
-_WIDE = 1e-6  # safety: of the run; a longer place where nothing is decided holds many instants
-_BLUR = 1e-8  # accuracy: of the run; distance in which rounding alone makes two breaks of one
+_WIDE = 1e-6  # safety: of the run; a longer undecided interval holds many instants
+_BLUR = 1e-8  # accuracy: of the run; breaks nearer to each other are one, split by rounding
 _SLOWER = 0.85  # measured: ratio of the ways of marks from doubling to doubling that accumulate
-FAR = 1000.0  # safety: distances of a kink's sides from it; there a pole has not begun
-GROWTH = 300.0  # safety: of a value from there to its side; that of a pole is 1000
+FAR = 1000.0  # safety: distances of a kink's sides from the kink; so far away a pole does not show
+GROWTH = 300.0  # safety: growth of a value from there to a side of the kink; that of a pole is 1000
 _STEEP = 1e6  # safety: of the typical value of a function; no step goes further into its pole
 _NEAR_POLE = 0.05  # safety: of the run; a run ends no earlier before a pole
 _STEP = 0.5  # safety: of the change of a place over a thousand times the time; that of a jump is 1

@@ -1,4 +1,4 @@
-"""What happens at a kink of an explicit function of time: nothing, an event, an impact, or the end.
+"""The effect of a kink of an explicit function of time: none, an event, an impact, or the end.
 
 The kernels say it themselves: they are called on both sides of the instant, at one state.
 
@@ -23,9 +23,9 @@ from runtime.mechanism.dense_equations import Equations, approaches
 from runtime.mechanism.table_rows import TimeFunction
 
 _FAST, _FASTER = 1e3, 1e12  # safety: of sizes and speeds; rates at which a force is judged
-_GROWS = 1e-2  # safety: ratio of f/ṡ at these; of f ~ ṡ it is 1, of a root of ṡ 3e-5
+_GROWS = 1e-2  # safety: ratio of f/ṡ at these; it is 1 for f ~ ṡ, and 3e-5 for a root of ṡ
 _SLOPE = 1e-6  # accuracy: of the size; difference of coordinates by which s_q is found
-_NONE = 1e-300  # safety: a divisor that is not zero
+_NONE = 1e-300  # safety: least divisor, so that none is zero
 _MOVED = 1e-9  # accuracy: of the size; a smaller jump of s has no direction
 
 
@@ -68,8 +68,8 @@ def _grows(force: FunctionArrays, t: float, here: Vector, way: Vector) -> bool:
     return not np.isfinite(far) or far > _GROWS * near
 
 
-_GREAT = 1e3  # safety: of its size; a smaller value is not that of a pole
-_RATE_GROWTH = 3.0  # safety: as GROWTH, of ν; the rate of a root is 30, of |t - a|^(2/3) 10
+_GREAT = 1e3  # safety: of its size; the value at a pole is larger
+_RATE_GROWTH = 3.0  # safety: as GROWTH, for ν; the rate of a root has 30, that of |t - a|^(2/3) 10
 _ADVICE = (
     ": look for a table evaluated beyond its ends, a division by zero, or a root or logarithm of "
     "what is not positive"

@@ -33,14 +33,14 @@ _GOLDEN = 0.3819660112501051  # formula: golden section
 
 UNRESOLVED = -1  # the step is too long to see all crossings
 
-# measured: of the variation of g over the step; largest accepted difference of the two cubics
+# measured: of the variation of g over the step; largest accepted difference of both cubics
 _RESOLVED = 0.2
-_NEAR = 3.0  # measured: differences, at most variations, from zero within which it matters
-_MARGIN = 0.15  # measured: of the variation of g over the step; nearer to zero g is scanned
+_NEAR = 3.0  # measured: differences, or variations if less, within which a zero of g matters
+_MARGIN = 0.15  # measured: of the variation of g over the step; a g nearer to zero is scanned
 _ROUNDING = 1e-11  # accuracy: of the largest |g|; a difference of this size is rounding
 _FINEST = 1e-10  # safety: of the run; shorter steps are never rejected here
-_COARSER = 4.0  # measured: growth of that length at an unresolved step
-_FINER = 0.8  # measured: its change at other steps
+_COARSER = 4.0  # measured: growth of this length after an unresolved step
+_FINER = 0.8  # measured: its decrease after other steps
 
 # Formula: fractions of a step at which g is sampled. They are no ratios of small numbers, so that a
 # period which divides the step is not sampled at one phase.

@@ -49,8 +49,8 @@ CANCELLED = 64.0 * EPS  # accuracy: of the largest of some terms; a sum below it
 
 _UNITS = 3  # safety: changes of a unit of the stiction force
 
-_TURNS = 40  # safety: corrections of shares beside friction that slides
-_AGREED = 1e-14  # accuracy: of a share; with smaller corrections friction is on its law
+_TURNS = 40  # safety: corrections of shares if another friction slides
+_AGREED = 1e-14  # accuracy: of a share; after smaller corrections friction obeys its law
 _ROUNDED = 1e-10  # accuracy: the same, where corrections no longer become smaller
 
 

@@ -28,8 +28,8 @@ _HOPELESS = 1e-6  # accuracy: of the fastest approach; larger changes mean no co
 
 ON_SURFACE = 1e-13  # accuracy: |g| over its running maximum below which g is zero at an event
 
-_LOW_FLIGHT = 0.01  # accuracy: of the tolerance of a position; flights that rise no higher are over
-_UNSEEN = 2e-12  # accuracy: of the largest gap; heights at which rounding moves the next impact
+_LOW_FLIGHT = 0.01  # accuracy: of a position's tolerance; bouncing ends when flights rise no higher
+_UNSEEN = 2e-12  # accuracy: of the largest gap; at this height rounding determines the next impact
 
 
 @inner

@@ -18,8 +18,8 @@ CONSISTENT = -1
 _DECIDED = len(Mode)  # code: added to a mode in row PREFERRED
 _SIGNIFICANT = 1e-14  # accuracy: change of g over its maximum that is more than rounding
 RESTS = 1e-13  # accuracy: of a function's size; joints that keep it at zero keep it so closely
-_FIRST = 1e-7  # measured: first look-ahead over the last
-MISSED = 1e-9  # accuracy: distance by which a share may miss its bounds at an event
+_FIRST = 1e-7  # measured: first look-ahead in parts of the last
+MISSED = 1e-9  # accuracy: amount by which a share may exceed its bounds at an event
 
 
 @inlined

@@ -31,7 +31,7 @@ from runtime.linalg.vectors import copy_vector, largest_magnitude
 MOST_COMBINED = 10  # safety: functions of which all combinations of modes are tried
 MOST_WITH_SLIDING = 6  # safety: the same where all may slide; more are first searched by pivots
 
-_SAME = 1e-9  # accuracy: of the largest acceleration; what a mode may change that is none
+_SAME = 1e-9  # accuracy: of the largest acceleration; a smaller effect of a mode is none
 
 TOUCHING = 1e-9  # accuracy: of the machine's lengths; how closely assembly closes a gap
 _RESTING = 1e-12  # accuracy: of the largest velocity; slower approaches at the start are no impact

@@ -20,16 +20,16 @@ from runtime.hybrid.mode_selection import prefer_released, set_preferences, surf
 from runtime.hybrid.rest_forces import rests, share_freedom
 from runtime.linalg.vectors import copy_vector, is_finite, largest_magnitude
 
-_CONTINUOUS = 1e-3  # safety: ratio of responses on a surface and beside it; of a jump it is 1
+_CONTINUOUS = 1e-3  # safety: ratio of the responses on a surface and beside it; at a jump it is 1
 
 LOOK_AHEAD = 0.05  # measured: of a step; look-ahead in which modes are judged
 _BEGAN, _CEASED = int(Direction.BEGAN), int(Direction.CEASED)
 _HOLDS, _IMPACT = int(Direction.HOLDS), int(Direction.IMPACT)
-_FREE = 0.02  # measured: difference of the ratio of two flights in a row from that of free flights
+_FREE = 0.02  # measured: difference of the ratio of two flights from that of free flights
 _SAME_BOUNCING = 10.0  # measured: next flights by which the ratio may err within one bouncing
 _STILL = 1e-12  # accuracy: of the rate before an impact; slower contacts after it stay closed
 _CLOCK = 8.0 * EPS  # accuracy: of the time; difference of instants that the clock cannot resolve
-_JUMP = 1e-6  # safety: of the largest |g|; a function further from zero at its crossing jumps
+_JUMP = 1e-6  # safety: of the largest |g|; a function with a larger |g| at its crossing jumps
 
 
 @inner

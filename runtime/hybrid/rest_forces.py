@@ -21,7 +21,7 @@ from runtime.linalg.vectors import axpy, copy_vector, dot, is_finite, largest_ra
 
 PRESCRIBED = SLIDING  # the mode in which kernels take the stiction force from p
 
-_COARSE = 8.0  # accuracy: units in a force above which their rounding would show
+_COARSE = 8.0  # accuracy: units in a force, above which their rounding would matter
 
 
 @inner
@@ -128,8 +128,8 @@ def enlarge_unit(context: Context, k: int) -> bool:
 
 
 _DRIVEN = 1e-12  # accuracy: of a size and all accelerations; a smaller response is rounding
-_FORCED = 1e-14  # accuracy: of a size and all F/m; a response of what stands, below it, is rounding
-_CLEARLY = 1e-6  # safety: the same, of F/m at an earlier instant; more is a response by far
+_FORCED = 1e-14  # accuracy: of a size and all F/m; at rest a smaller response is rounding
+_CLEARLY = 1e-6  # safety: the same, with F/m of an earlier instant; a larger response is certain
 
 
 @inlined

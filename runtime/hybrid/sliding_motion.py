@@ -24,8 +24,8 @@ from runtime.linalg.vectors import axpy, copy_vector, largest_ratio
 
 STEP, TIME_SCALE = 0, 1  # places in SETTINGS: the length of the step, s; τ of Baumgarte's method, s
 
-_AHEAD = 1e-4  # accuracy: of a step; the distance over which the rate of a margin is differenced
-_RESTING = 1e-13  # accuracy: of the largest |g|; a function that rests is no further off
+_AHEAD = 1e-4  # accuracy: of a step; distance in the difference quotient of a margin's rate
+_RESTING = 1e-13  # accuracy: of the largest |g|; a function that rests is nearer to zero
 TINY = 1e-300  # safety: added to a divisor that may be zero
 UNBOUNDED = -1e300  # code: lower bounds below it mean none
 

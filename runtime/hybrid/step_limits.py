@@ -31,26 +31,26 @@ from runtime.core.kinds import EXPONENTIAL, KINK, POWER, STEP
 from runtime.core.loop_record import run_record
 from runtime.hybrid.events import X1, X2, X3, cubic, write_motion_between
 
-_RISE = 4.0  # measured: logarithm of a peak over both ends which the error of a step shows
-_IN_FRONT = 0.4  # measured: of that; how far below the peak the step ends
-_SLOW = 1.0  # safety: change of a power's argument times its exponent, in parts of the argument
-_NEGLIGIBLE = -40.0  # accuracy: logarithm of what is nothing beside what acts elsewhere
-_POLE = 1e-14  # accuracy: of an argument at the ends; a power of less between them has a pole
-_TRUSTED = 2.0  # safety: times the difference of cubic and values; how far u may be from the cubic
-_CERTAIN = 0.25  # measured: of the rise; what that may add to it where the cubic says where to end
+_RISE = 4.0  # measured: logarithm of peak over ends from which on the error of a step may miss it
+_IN_FRONT = 0.4  # measured: of `_RISE`; the step ends so far below the peak
+_SLOW = 1.0  # safety: largest change of a power's argument times its exponent, in parts of it
+_NEGLIGIBLE = -40.0  # accuracy: logarithm of a value that is negligible beside values elsewhere
+_POLE = 1e-14  # accuracy: of an argument at the ends; a power of a smaller one between has a pole
+_TRUSTED = 2.0  # safety: times the difference of cubic and values; distance of u from the cubic
+_CERTAIN = 0.25  # measured: of the rise; up to this uncertainty the cubic sets the end of the step
 _RESOLVED = 0.1  # measured: of the variation of u; largest difference of cubic and values
 _ROUNDING = 1e-13  # accuracy: of the largest |u|; such a difference is rounding
 _FINEST = 1e-12  # safety: of the run; shorter steps are taken as they are
-_LONGEST = 0.9  # safety: part of a step; a longer one might be stretched to a stop again
+_LONGEST = 0.9  # safety: part of a step; a longer part might be stretched to a stop again
 _POINTS = 16  # measured: parts of the cubic, at whose ends its peak is looked for
-_ZOOMS = 14  # safety: 8 times closer each, which is a fraction of 2e-13 of the step
-_HALVINGS = 45  # safety: 3e-14 of the step
+_ZOOMS = 14  # safety: zooms, each by 8; the last covers 2e-13 of the step
+_HALVINGS = 45  # safety: halvings; the last covers 3e-14 of the step
 
 # Rows of the scratch: u and du/dt at both ends, u at three points between, rates there.
 _U0, _R0, _U1, _R1, _A1, _A2, _A3, _RATES_BETWEEN = range(8)
 
-LEAST = 0.04  # measured: of the largest ρ²; below it a loop's rates err by five times as much
-_ADDED = 2.0  # measured: steps; with a smaller sum of both times a loop has passed its dead centre
+LEAST = 0.04  # measured: of the largest ρ²; below it a loop's rates have five times the error
+_ADDED = 2.0  # measured: steps; a loop with a smaller sum of both times has passed its dead centre
 
 
 @inner

@@ -1,4 +1,4 @@
-"""Checkpoints of a run: states of its arrays, from which it is retaken with the same bits.
+"""Checkpoints of a run: copies of its arrays, from which it can be repeated with the same bits.
 
 All that a run needs to go on lies in its arrays, so that copies of these are a place to begin at.
 They are made between chunks of steps, which costs a run nothing that can be measured. The motion at
@@ -21,9 +21,9 @@ from runtime.integrate.problem import Discrete
 from runtime.integrate.run import Run
 from runtime.integrate.step import Signal
 
-_SPACING = 0.02  # measured: s of computing between two; what a look at an instant may take
-_MOST_BYTES = 2**25  # safety: of all; where they are more, every second is dropped
-_FREE = 10.0  # safety: steps before the end of a run, on which that does not show
+_SPACING = 0.02  # measured: s of computing between two; as long as `Result.at` may take
+_MOST_BYTES = 2**25  # safety: bytes of all; beyond it every second one is dropped
+_FREE = 10.0  # safety: steps before the end of a run; earlier steps do not depend on the end
 _GOING, _OK = int(Signal.GOING), int(Outcome.OK)
 # What a run says for itself, of the samples and of its end.
 _OWN = (

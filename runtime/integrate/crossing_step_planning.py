@@ -21,10 +21,10 @@ from runtime.singularity.singular_position_near_motion import Singularity
 
 _ROUNDING = 64.0  # accuracy: units of rounding within which a constraint counts as satisfied
 _RESIDUE = 1e-15  # accuracy: of a position; rest of a constraint after Newton's iterations
-_ROOM = 0.1  # measured: of a step; the distance from a node below which errors of stages show
+_ROOM = 0.1  # measured: of a step; nearer to a node errors of stages show
 _WEIGHT = 0.1  # measured: of one stage in the result of a step
 _POOR = 10.0  # measured: error over tolerance from which on another method leads across
-_LEARNING = 0.2  # measured: of the way there; the first step of the method that takes over
+_LEARNING = 0.2  # measured: of the way there; first step of the method that takes over
 _TAYLOR = 5e-3  # accuracy: eps ** (1/7) of the time scale, where rounding balances a cubic's error
 
 

@@ -37,21 +37,21 @@ from runtime.core.kinds import SLIDING
 from runtime.core.loop_record import Plan, run_record
 from runtime.integrate.sampling import NODES, WEIGHTS
 
-ERRORS = 50.0  # measured: tolerances of a step by which its energy may err
-PART = 1e-3  # safety: of the energy that a step exchanges, which need not be explained
+ERRORS = 50.0  # measured: tolerances by which the energy of a step may err
+PART = 1e-3  # safety: of the energy that a step exchanges; so much need not be explained
 ROUNDING = 1e-13  # accuracy: of an energy; rounding of the sums that it is made of
-CERTAIN = 16.0  # measured: times the scatter of a potential that two values may be apart
+CERTAIN = 16.0  # measured: times the scatter of a potential; largest difference by rounding
 
 
 Differences = tuple[float, float, float, float, float, float, float, float, float, float, float]
 
 _GAIN = 430.0  # formula: root of the sum of squares of the coefficients of a tenth difference
-_ORDER = 10  # measured: of the differences; lower ones see the shape of a potential more
+_ORDER = 10  # measured: of the differences; lower orders show the shape of a potential more
 _BLOCKS, _EACH = 4, 8  # measured: groups of differences, of which a jump disturbs two
 _POINTS = 66  # formula: intervals of all groups
-_SHAPE = 4.0  # safety: differences of slopes, to which those of a shape come up
-_LEAST_WAY, _LONGER = 1e-9, 10.0  # measured: of coordinates' sizes; the first row, growth of others
-_LONG, _LONGEST = 3.0, 3e6  # measured: of coordinates' sizes; ends where V varies, and does not
+_SHAPE = 4.0  # safety: differences of slopes that the shape of a potential may reach
+_LEAST_WAY, _LONGER = 1e-9, 10.0  # measured: first row in coordinates' sizes; growth of rows
+_LONG, _LONGEST = 3.0, 3e6  # measured: of coordinates' sizes; last row if V varies, and if not
 
 
 @inner
@@ -129,13 +129,13 @@ RULE = tuple(float(weight) for weight in WEIGHTS)
 OUTER = 1.0 / (3.0 * NODES[4] ** 2)  # formula: weights of the first, third and fifth node alone
 INNER = 2.0 - 2.0 * OUTER  # formula: so that parabolas are integrated
 
-_MEET = 1e-9  # accuracy: of the energy, to which the pieces of a potential meet
-_ROUGH = 0.01  # measured: of the exchanged energy, which a parabola of powers leaves open
-_MORE = 4.0  # measured: growth of that part after which it is looked at
-_FORGET = 0.98  # measured: part of both that the next step remembers: one look in 70 steps
-_SELDOM = 60  # measured: steps up to the first look in any case; the k-th comes after k² times that
-_OFTEN = 1024  # measured: steps between two looks at the most; each costs some evaluations
-_WATCHED, _CYCLE = 4, 96  # measured: steps in a row, of so many; 0.3 to 1.8 % of a run in all
+_MEET = 1e-9  # accuracy: of the energy; difference up to which the pieces of a potential meet
+_ROUGH = 0.01  # measured: of the exchanged energy; a parabola of the powers explains the rest
+_MORE = 4.0  # measured: growth of the unexplained part from which on the step is examined
+_FORGET = 0.98  # measured: part of both that the next step keeps: one step in 70 is examined
+_SELDOM = 60  # measured: steps before the first look in any case; k² times as many before the k-th
+_OFTEN = 1024  # measured: most steps between two looks, each of which costs some evaluations
+_WATCHED, _CYCLE = 4, 96  # measured: steps watched of so many; 0.3 to 1.8 % of a run in all
 
 
 @inner

@@ -21,9 +21,9 @@ from runtime.integrate.sampling import STEP_ENDS, has_room
 from runtime.integrate.step import Signal, TrialStep, reject
 from runtime.integrate.step_acceptance import accept_step, end_at_event, judge_events
 
-_SHARE = 0.3  # measured: of the way to a configuration that is missed, which one step may cover
+_SHARE = 0.3  # measured: of the way to a configuration that is missed; largest part of one step
 WEAK_STATES = 3  # safety: accepted states in a row with a weak pivot that make a singular run
-TOO_CLOSE = 1.2  # safety: steps; a nearer singular configuration needs a plan before the step
+TOO_CLOSE = 1.2  # safety: steps; a nearer singular configuration is planned for before the step
 LOG_MARGIN = 16  # safety: free rows of the partition log that one step may need
 
 

@@ -1,4 +1,4 @@
-"""An integration: its problem and options, what is refused of them, and its trajectory."""
+"""An integration: its problem, its options and their checks, and its trajectory."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ Rows = Callable[[Vector, Matrix, IntegerMatrix], None]
 Controller = Callable[[float, Vector, Vector], float]
 """(t, q, v) of a sample → the value, in the coordinates of the run."""
 
-MOST_STEPS = 100_000_000  # safety: trial steps of a run, where no number is given
+MOST_STEPS = 100_000_000  # safety: trial steps of a run if no number is given
 
 
 WAITS = 2.0  # code: of `held`: it has begun, and what it does is done as the next run begins

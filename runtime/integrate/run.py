@@ -42,8 +42,8 @@ It returns the run and the signal to go on with: usually the same run, else one 
 coordinates.
 """
 
-_FIRST_CHUNK = 128  # measured: steps before an interrupt is heard, as before the run
-_LONGEST_CHUNK = 16384  # safety: steps before an interrupt is heard, at most
+_FIRST_CHUNK = 128  # measured: first number of steps before an interrupt is heard
+_LONGEST_CHUNK = 16384  # safety: largest number of steps before an interrupt is heard
 _CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress and interrupts
 # As integers: looking up a member of an enumeration is slow in Python 3.11.
 _GOING, _LOOK, _CHANGE = int(Signal.GOING), int(Signal.LOOK), int(Signal.CHANGE)
@@ -52,7 +52,7 @@ _STUCK = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
 _AT_ONE_SITE = {
     *(Outcome.OK, Outcome.MAX_STEPS, Outcome.MEMORY, Outcome.INTERRUPTED, Outcome.OUT_OF_RANGE),
 }
-_CLOSE = 1e-6  # safety: of the run; nearer to a pole or a lock-up, that is why it ends
+_CLOSE = 1e-6  # safety: of the run; a pole or a lock-up that is nearer to the end is its cause
 
 
 def initial_modes(system: System, t: float, q: Vector, v: Vector, p: Vector) -> Integers:

@@ -12,7 +12,7 @@ from runtime.core.workspace_rows import PREDICTED, PROJECTION, SAMPLE, SIZE, Y1,
 from runtime.integrate.clocks import CLOCK
 from runtime.linalg.vectors import copy_vector
 
-_BLIND = 4.0  # measured: rounding of velocities beside a singular position, over its estimate
+_BLIND = 4.0  # measured: rounding of velocities near a singular position over its estimate
 _SPARE = 8  # safety: rows of a window for samples at the instants between two steps
 _ROOM = 0.49  # safety: of the time from a singular position to an end of the step across it
 INSTANTS, STEP_ENDS, QUADRATURE = 0, 1, 2  # kinds of sampling: what is in `every_step`

@@ -51,7 +51,7 @@ OPTIONS = (
     SimulationOption("until", "conditions",
                      "Conditions on series; the run ends where one begins to hold."),
     SimulationOption("max_steps", "count",
-                     "Most trial steps, 100 million unless given; fewer where they get shorter."),
+                     "Most trial steps; unless given 100 million, or fewer if steps shrink."),
     SimulationOption("max_bytes", "count", "Bytes of recorded states; 1 GiB unless given.",
                      None, False),
 )  # fmt: skip

@@ -29,12 +29,12 @@ from runtime.singularity.motion_polynomial import Motion, hermite, taylor
 from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.singular_position_near_motion import Singularity, SingularPositions
 
-_ALLOWANCE = 100.0  # measured: ratio of rounding in an error to its expectation that is let pass
+_ALLOWANCE = 100.0  # measured: permitted ratio of the rounding in an error to its expected size
 _ASTRAY = 1e-6  # accuracy: of a velocity; error of a start against the branch that it follows
-_SLACK = 1e3  # measured: factor by which the estimate may be wrong where rounding rules
-_LARGE = 0.5  # measured: of the largest share; lengths of rows and masses enter one by as much
-_PROBE = 0.01  # safety: of the way to a lock-up, over which its singular value is compared
-_ASKED = 0.1  # safety: of a velocity; less does not come from a lock-up
+_SLACK = 1e3  # measured: factor by which the estimate may err if rounding dominates
+_LARGE = 0.5  # measured: of the largest share; units of rows and masses change a share by as much
+_PROBE = 0.01  # safety: of the way to a lock-up; distance at which its singular value is compared
+_ASKED = 0.1  # safety: of a velocity; a smaller part does not come from a lock-up
 _TRIES = 4  # safety: plans for one crossing
 
 # As integers: looking up a member of an enumeration is slow in Python 3.11.

@@ -28,9 +28,9 @@ _QQ, _QV, _VV, _AQ, _AV, _AA, _GROWN = 0, 1, 2, 3, 4, 5, 6
 FLOATS = 7  # numbers in METHOD_FLOATS
 
 _KEPT = 0.8  # measured: share of the sums that lasts from one step to the next
-_SEEN = 1e-12  # accuracy: |δq| in sizes; a smaller vibration may grow
-_ALIKE = 1e-6  # accuracy: of |δq|² |δv|²; below it the two are parallel, and determine k alone
-_MOST = 0.1  # measured: growth of a vibration before steps are kept within the edge
+_SEEN = 1e-12  # accuracy: |δq| in sizes; a smaller vibration is ignored
+_ALIKE = 1e-6  # accuracy: of |δq|² |δv|²; below it both are parallel and determine only k
+_MOST = 0.1  # measured: growth of a vibration from which on steps are limited
 _INSIDE = 0.9  # measured: share of the longest stable step, where the method damps a little
 _SAFE = 0.25  # safety: rad; a vibration hardly grows in such a step, nor in a shorter one
 _HALVINGS = 12  # accuracy: of the bisection for the longest stable step

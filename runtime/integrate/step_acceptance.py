@@ -1,4 +1,4 @@
-"""The end of a step: at the first event in it, its acceptance, new modes; whether events go on.
+"""The end of a step: the first event in it, acceptance, new modes, and whether events accumulate.
 
 Where a switching function crosses zero inside a trial step, the step is taken again up to there.
 
@@ -28,20 +28,20 @@ from runtime.hybrid.sliding_motion import evaluate_switching_and_rates
 from runtime.integrate.step import Signal, TrialStep, reject
 from runtime.linalg.vectors import copy_vector
 
-_RETAKES = 5  # safety: steps up to an event before its instant is taken as it is
-_STANDING = 8  # safety: events in a row without time between them, and two for each function
+_RETAKES = 5  # safety: steps up to an event, after which its instant is no longer improved
+_STANDING = 8  # safety: events in a row at one instant, plus two for each function
 FIRST_LOOK = 4096  # measured: steps before the first doubling; shorter runs end soon in any case
-_SLOWER = 0.75  # safety: of the time of the doubling before; 2 at a constant pace, 1 at half of it
-_DOUBLINGS = 7  # safety: so many in a row, up to half a million steps, are no accident
-_OF_EVENTS = 4  # safety: the same of a run that consists of events, each of which is dear
-_NEAR = 0.01  # safety: of the last doubling; an end so near before the limit is as good as there
-_EVENTFUL = 16  # measured: steps an event, with fewer of which the events are to blame
-_FLIGHT = 0.6  # measured: of the time between two impacts; a first step that meets none
+_SLOWER = 0.75  # safety: time of a doubling over that of the last; 2 at even pace, 1 at half of it
+_DOUBLINGS = 7  # safety: slow doublings in a row, up to half a million steps, that are no accident
+_OF_EVENTS = 4  # safety: the same for a run of many events, each of which is expensive
+_NEAR = 0.01  # safety: of the last doubling; a run may end this close before the limit
+_EVENTFUL = 16  # measured: steps per event; with fewer the events are the cause
+_FLIGHT = 0.6  # measured: of the time between two impacts; a first step without an impact
 _ZENO_EVENTS = 30  # safety: events in a row with such a ratio that are no accident
 _ZENO_SPAN = 1e-7  # safety: of the run; the time that eight such events must take at most
-_ZENO_RATIO = 0.98  # safety: time of the last eight events over that up to one event earlier
-_DOUBTS = 3  # safety: looks at shorter steps, before a balance of energy that fails ends the run
-_SHORTER = 0.4  # safety: part of the step for that; its multiples do not end where the step did
+_ZENO_RATIO = 0.98  # safety: time of the last eight events over that before the last event
+_DOUBTS = 3  # safety: attempts with shorter steps before a failing balance of energy ends the run
+_SHORTER = 0.4  # safety: part of the step for that; its multiples do not end where the step ended
 _NEWTON_FAILED, _TOO_LARGE = int(TrialStep.NEWTON_FAILED), int(TrialStep.TOO_LARGE)
 LEAST_ERROR = 1e-4  # safety: a smaller error of the last step says nothing of the next one
 

@@ -16,10 +16,10 @@ from runtime.core.state_derivative import write_derivative
 from runtime.core.workspace_rows import row_of
 from runtime.linalg.vectors import copy_vector
 
-_FALL = 0.1  # measured: least ratio of an error to what the step before let expect
-_COMPARABLE = 2.0  # measured: ratio of two lengths up to which one error tells the other
-_ROUNDING = 1e-12  # accuracy: of the typical size; start values that assembly left of zero
-_APART = 1e-6  # accuracy: of the typical size; distance of the states of a difference
+_FALL = 0.1  # measured: least ratio of an error to the error expected from the step before
+_COMPARABLE = 2.0  # measured: ratio of two lengths up to which one error predicts the other
+_ROUNDING = 1e-12  # accuracy: of the typical size; start values that assembly left near zero
+_APART = 1e-6  # accuracy: of the typical size; displacement in a difference quotient
 _STABLE = 5.5  # measured: |λ| h of a fast decay at which dop853 is stable; its edge is at 6
 _START = 1e-3  # measured: of the typical size; a start value counts as no smaller
 

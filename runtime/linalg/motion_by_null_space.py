@@ -17,7 +17,7 @@ from runtime.linalg.rank_policy import NO_PIVOT
 from runtime.linalg.redundant_constraints_solve import SPARSE, solve_factored
 from runtime.linalg.vectors import dot, multiply
 
-_LEAST = 1e-7  # accuracy: of the largest scale of a column, where pivots are told from noise
+_LEAST = 1e-7  # accuracy: of the largest scale of a column; least scale, above the noise of pivots
 _CLOSED = 1e-9  # accuracy: part of a row's terms that may be left; rounding leaves 1e-12 at most
 
 

@@ -1,4 +1,4 @@
-"""The source of a loaded machine, as this process and another one know it."""
+"""The source of a loaded machine, by which another process can load it too."""
 
 import pickle
 import re

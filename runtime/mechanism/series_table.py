@@ -1,4 +1,4 @@
-"""The series of a scene's results: one table of their names, and the column that each is.
+"""The series of a scene's results: one table of their names and columns.
 
 A series has one name of its own, and is found by the calls of a result as well: ``force(strut)`` is
 `strut.force`, ``power(gas)`` is `gas`. This is the only place that knows how these are written.

@@ -24,7 +24,7 @@ from runtime.mechanism.module_tables import Description
 _expand = at(types.FunctionType(none(f8, *[vector] * 6)), 0)
 # measured: rad, or part of a length's size, between two positions at which angles are followed
 _STRIDE = 0.5
-_FAR = 1.0  # safety: rad by which an angle may move from one position to the next
+_FAR = 1.0  # safety: rad; largest change of an angle from one position to the next
 _FINEST = 1e-4  # safety: part of a stride; no shorter ones are tried
 _TURN = 2.0 * np.pi
 

@@ -85,11 +85,11 @@ def start_table(mechanism: "Mechanism") -> StartTable:
 # measured: part of the largest distance from the origin; a machine counts as no smaller
 _LEAST_PART = 0.01
 _ROUNDING = 1e-9  # accuracy: of the longest length known; a length below this part is rounding
-_FAR = 1e3  # safety: scaled slopes above this, or all below its inverse, measure their row
-# safety: of the longest arm in other poses; arms that all fall below it vanish in the one at hand
+_FAR = 1e3  # safety: scaled slopes above this, or all below its inverse, determine the row's size
+# safety: of the longest arm in other poses; if all arms are shorter, they vanish in this pose
 _VANISHED = 1e-3
-# safety: ratio of two mobilities, beside typical sizes; their squares are the weights of
-# corrections, and lie as far apart as a pivot may be weak
+# safety: largest ratio of two mobilities, with typical sizes; corrections have their squares as
+# weights, whose ratio then is that of a pivot to a weak one
 _WIDEST = 3e4
 _ROUNDED_MASS = 1e-24  # accuracy: of the largest mass, beside typical sizes; less is no mass
 _NEGLIGIBLE = 1e-6  # accuracy: a slope of a length, or an arm beside the longest, that is none

@@ -104,15 +104,15 @@ class Assembly:
     q, v
         Coordinates and velocities, shape (n,).
     residual, velocity_residual
-        Phi and Phi_q v - nu, the largest row of each joint or driver.
+        The largest Phi, and Phi_q v - nu, among the rows of each joint or driver.
     moved
-        Coordinates and velocities that had to leave their start values.
+        Coordinates and velocities that assembly moved away from their start values.
     singular
         Constraints that are dependent at this position only, as at a dead centre.
     redundant
-        Constraints that follow from others wherever the machine stands; the machine runs with them.
+        Constraints that follow from others at every position; the machine runs with them.
     not_unique
-        Joints and drivers whose reactions the equations of motion leave open because of them.
+        Joints and drivers whose reactions are therefore not unique.
     independent
         Indices of the other constraints, shape (rank,).
     note

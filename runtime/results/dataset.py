@@ -1,4 +1,4 @@
-"""A result as an xarray.Dataset: its variables, each some series of its scene, with labels."""
+"""A result as an xarray.Dataset: its variables, each a group of series with labels."""
 
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any

@@ -1,4 +1,4 @@
-"""Other instants of a result: between its samples, on a side of its events, or some of its own."""
+"""A result at other instants: between its samples, on a side of an event, or at some samples."""
 
 from copy import copy
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol

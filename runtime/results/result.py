@@ -68,7 +68,7 @@ class Result(ResultFigures):
         Work of effects and drivers since the start in J, by name, each (k,).
     not_unique
         Joints, drivers and frictions whose forces the motion does not determine; the result has the
-        least forces.
+        smallest forces.
     singular
         The singular configurations that the run met, in order.
     accuracy
@@ -81,7 +81,7 @@ class Result(ResultFigures):
     reconnections
         The joints that were released or engaged in a run, with their impulses.
     reconnection
-        In a part of a run: the change of joints that ended it, and the state there.
+        For a part of a run: the change of joints that ended the part, and the state there.
     work_at_end
         Works at the end of a run, J; the end may be later than the last instant.
     """
@@ -135,7 +135,7 @@ class Result(ResultFigures):
 
     @property
     def instants_of_states(self) -> FloatArray:
-        """Where samples are taken, s, (k,): `t`, but for sides of events and kinks."""
+        """Instants of the samples, s, (k,): `t`, except at the sides of events and kinks."""
         motion = self._motion
         times = self.t if self._moved is None else self._moved
         return times if motion is None else np.maximum(times, motion.behind)
@@ -155,7 +155,7 @@ class Result(ResultFigures):
 
     @readers.reads(count=readers.count(1))
     def table(self, *names: str, count: int = 11, unit: Any = ()) -> "pd.DataFrame":
-        """Series at a few instants, then the least and greatest value of all samples, to read.
+        """Series at a few instants, with the least and greatest value of all samples.
 
         Parameters
         ----------
@@ -193,8 +193,8 @@ class Result(ResultFigures):
     ) -> "Result":
         """The motion at any instant: a result like this one, with its samples at `t`.
 
-        The run is repeated from a checkpoint, with the same steps: each quantity is the same as
-        with `t` among the instants of `t_eval`, to the last digit; a work is the same up to
+        The run is repeated from a checkpoint, with the same steps. Each quantity equals, to the
+        last digit, that of a run with `t` among the instants of `t_eval`; a work equals it up to
         rounding.
 
         Parameters
@@ -202,8 +202,8 @@ class Result(ResultFigures):
         t
             An instant in s or several, in any order, from the start of the run to its end.
         side
-            "before" or "after": on which side of an event the state is taken if `t` is the instant
-            of one of `events`; by default the side of a sample, before a change of modes.
+            "before" or "after": the side of the event, if `t` is the instant of one of `events`; by
+            default the side of a sample, before a change of modes.
 
         Returns
         -------
@@ -241,9 +241,9 @@ class Result(ResultFigures):
     ) -> "Result":  # fmt: skip
         """Continue a simulation from where it stopped, with the same settings.
 
-        The steps and the bits are those of a single run to the new end. Steps depend on the whole
-        time if laws of time are not sums of powers and sines, or if Baumgarte's time is not given:
-        then earlier steps are repeated. A run that a condition ended goes on until the condition
+        The steps and the bits are those of a single run to the new end. Earlier steps are repeated
+        if they depend on the end of the run: if laws of time are not sums of powers and sines, or
+        if Baumgarte's time is not given. A run that a condition ended goes on until the condition
         begins to hold the next time.
 
         Parameters
@@ -251,7 +251,7 @@ class Result(ResultFigures):
         t_end, t_eval
             As `simulate` takes them, both after the instant at which the run stopped.
         max_steps, progress
-            Largest number of trial steps, earlier ones included; whether a terminal shows a bar.
+            Largest number of trial steps, including earlier ones; whether a terminal shows a bar.
 
         Returns
         -------

@@ -24,7 +24,7 @@ class ResultFigures(TimeSeries):
 
     @in_pyplot()
     def plot(self, *names: str, unit: str | Sequence[str] = ()) -> "Figure":
-        """Draw series over time, those of one unit in one panel, as `at` has them.
+        """Draw series over time, one panel for each unit, with the values that `at` returns.
 
         Parameters
         ----------
@@ -103,10 +103,10 @@ class ResultFigures(TimeSeries):
         Parameters
         ----------
         file
-            An .html file, into which the page is written as well. Or an .mp4 or .gif movie, or an
-            .svg of some positions over each other, which is written in place of a page.
+            An .html file to write the page into. Or, in place of a page, an .mp4 or .gif movie, or
+            an .svg with some positions drawn over each other.
         frames_per_second, width, speed, span, progress
-            As for `runtime.show.movie.save_movie`, for movies alone; `span` for an .svg, too.
+            As for `runtime.show.movie.save_movie`, for movies only; `span` also for an .svg.
 
         Returns
         -------

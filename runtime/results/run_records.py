@@ -31,10 +31,10 @@ class Event(NamedTuple):
     Attributes
     ----------
     name
-        `effect: condition`, as `Result.mode` takes it; of a singular position its drivers and
+        `effect: condition`, as `Result.mode` takes it; for a singular position its drivers and
         joints, as `singular: drive, A, B`. The effect alone is `element`.
     time
-        In s; where bouncing ends, the instant at which its last flight would.
+        In s; where bouncing ends, the instant at which the last flight would end.
     direction
         1: the condition began to hold, or a contact opened; -1: it ceased; 0: from now on the
         motion stays on its boundary: it slides there, friction sticks, a contact is closed, or
@@ -43,13 +43,13 @@ class Event(NamedTuple):
     q, v
         State, shape (n,); after an impact, the velocities that it leaves.
     word
-        Of contacts and stops "touches", "leaves", "rests"; of a gap that closes or opens while a
-        damper keeps it from pushing, "closes", "opens", and in flight of the sign of what it would
-        exert, "approaches", "recedes"; of frictions "sticks", "slips", "reverses";
-        of one-way clutches "overruns", "grips", "strikes", "slips"; empty for others.
+        For contacts and stops "touches", "leaves", "rests"; "closes", "opens" if a damper keeps the
+        contact from pushing; "approaches", "recedes" if the force that it would exert changes its
+        sign in flight. For frictions "sticks", "slips", "reverses"; for one-way clutches
+        "overruns", "grips", "strikes", "slips"; empty for others.
     impulse
-        Where the rate of a law jumps: component of a reaction, as `drive.fx`, → impulse of that
-        joint or driver, N s or N m s. None for others.
+        If the rate of a law jumps: component of a reaction, as `drive.fx`, → impulse of that joint
+        or driver, N s or N m s. None for other events.
     """
 
     name: str
@@ -66,12 +66,12 @@ class Event(NamedTuple):
 
     @property
     def text(self) -> str:
-        """What happened, in a few words: `plate touches`, `gas: x of slider passes 5 m`."""
+        """The event in a few words: `plate touches`, `gas: x of slider passes 5 m`."""
         return f"{self.element} {self.word}" if self.word else event_text(self.name, self.direction)
 
     @property
     def element(self) -> str:
-        """The contact, friction, force or driver whose event it is; "" of a singular position."""
+        """The contact, friction, force or driver of the event; "" for a singular position."""
         return "" if self.direction in _SINGULAR else self.name.partition(":")[0]
 
     @property

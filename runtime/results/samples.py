@@ -17,7 +17,7 @@ FloatArray = npt.NDArray[np.float64]
 
 _NUMBER = 8  # layout: bytes of a number
 _GIGABYTE = 1e9  # formula: bytes of a gigabyte
-_SHARE = 0.9  # safety: of the memory that is free, which a result may take
+_SHARE = 0.9  # safety: of the free memory, which a result may take
 _SMALL = 1 << 24  # measured: bytes; asking the system takes a quarter of a millisecond
 _LIMITS = (
     ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current"),

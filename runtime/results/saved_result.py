@@ -1,4 +1,4 @@
-"""What .nc and .zarr files keep of a result beside its series, so that `load_result` gives it back.
+"""The data beside the series in .nc and .zarr files, from which `load_result` restores a result.
 
 Nested values are bytes of JSON, and of NumPy's format for arrays: nothing is executed. Compiled
 code checks no index, so that arrays which reach it are of the machine's shapes, or refused.

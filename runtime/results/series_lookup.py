@@ -51,8 +51,8 @@ class TimeSeries:
     def a(self, name: str, unit: str = "") -> FloatArray:
         """An acceleration over time, m/s² or rad/s², by the name of its coordinate or velocity.
 
-        By the name of a state it is the state's rate, in its unit per second. It is not a number in
-        singular configurations.
+        The name of a state returns the rate of the state, in its unit per second. In singular
+        configurations the values are nan.
         """
         return self._called("a", name, unit=unit)
 
@@ -75,7 +75,7 @@ class TimeSeries:
     def reaction(self, joint: str, component: str, unit: str = "") -> FloatArray:
         """Force or torque that the first body of a joint exerts on the second, in joint axes.
 
-        Of a driver it is what the driver exerts on the body that it drives. Components are such as
+        For a driver it is the force or torque on the body that it drives. Components are such as
         "fx", "fy" and "torque", in N or N m.
         """
         return self._called("reaction", joint, component, unit)
@@ -85,8 +85,8 @@ class TimeSeries:
 
         It is 1 where the condition held, 0 where it did not, and 2 where its function stayed at
         zero: the motion slid on the switching surface, friction stuck, or a rigid contact was
-        closed. The condition is named as in events, "gas: slider_vx > 0", or by its effect where
-        that has one condition only.
+        closed. The condition has its name in events, "gas: slider_vx > 0", or that of an effect
+        with one condition only.
         """
         return self._called("mode", condition)
 
@@ -94,41 +94,40 @@ class TimeSeries:
         """Filippov's share α of a condition over time, from 0 to 1, where its mode is 2.
 
         There the accelerations are (1 - α) times those without the condition plus α times those
-        with it. A rigid contact has 1 where its force vanishes; what it exerts is its reaction. The
-        share is not a number where the mode is 0 or 1, or any share would do. The condition is
-        named as in `mode`.
+        with it. For a rigid contact α is 1 where its force vanishes; `reaction` returns this force.
+        The share is nan where the mode is 0 or 1, or where every share is possible. The condition
+        is named as in `mode`.
         """
         return self._called("share", condition)
 
     def energy(self, part: str = "total", unit: str = "") -> FloatArray:
         """Energy over time, J: its "kinetic" or "potential" part, or the "total".
 
-        Where bodies have no mass there is none, which is an `InputError`.
+        Without masses there is no energy, and the call raises an `InputError`.
         """
         return self._called("energy", part, unit=unit)
 
     def force(self, effect: str, component: str = "", unit: str = "") -> FloatArray:
         """Force of an effect over time, N, an output ``force(NAME)`` of the scene.
 
-        Of a spring, damper or actuator the tension, positive where it pulls its ends together; of a
-        contact the force that pushes its bodies apart, positive; of a friction the force along its
-        slip, with the components "normal" and "limit"; of a joint with clearance "normal", which
-        pushes, and "friction" on the journal, counter-clockwise about the bearing; of an applied
-        force its components "fx" and "fy" in the axes in which it is given; of a bushing "fx" and
-        "fy" on its second body, in the axes of the first; of gears with backlash and of elastic
-        belts "first" and "second" for each flank or strand; of any other effect the generalized
-        forces by coordinate, "bob.x". The name of a joint or driver means its reaction.
+        A spring, damper or actuator has its tension, positive where it pulls its ends together; a
+        contact the force that pushes its bodies apart, positive; a friction the force along its
+        slip, and "normal" and "limit"; a clearance joint "normal", which pushes, and "friction" on
+        the journal, counter-clockwise about the bearing; an applied force "fx" and "fy" in the axes
+        in which it is given; a bushing "fx" and "fy" on its second body, in the axes of the first;
+        gears with backlash and elastic belts "first" and "second" for each flank or strand; any
+        other effect its generalized forces by coordinate, "bob.x". The name of a joint or driver
+        returns its reaction.
         """
         return self._called("force", effect, component, unit)
 
     def torque(self, effect: str, component: str = "", unit: str = "") -> FloatArray:
         """Torque of an effect over time, N m, an output ``torque(NAME)`` of the scene.
 
-        Of a torsion spring that on its first body, of a bushing that on its second, of a motor that
-        on its rotor; of a one-way clutch that on its driven body, from 0 to the capacity; of a
-        friction in a revolute joint that along its slip; of a stop of an angle that which pushes
-        away from the limit, positive; of an effect without a torque of its own the
-        generalized forces on angles, "bob.phi".
+        The torque of a torsion spring acts on its first body, of a bushing on its second, of a
+        motor on its rotor; of a one-way clutch on its driven body, from 0 to the capacity; of a
+        friction in a revolute joint along its slip. A stop of an angle has the torque away from the
+        limit, positive. Any other effect has its generalized forces on angles, "bob.phi".
         """
         return self._called("torque", effect, component, unit)
 
@@ -148,7 +147,7 @@ class TimeSeries:
         return self._called("rate", effect, component, unit)
 
     def deflection(self, effect: str, component: str = "", unit: str = "") -> FloatArray:
-        """Length less free length of a spring, or angle less free angle, in m or rad.
+        """Length minus free length of a spring, or angle minus free angle, in m or rad.
 
         An output ``deflection(NAME)`` of the scene. A bushing has the components "x", "y" and
         "phi", in the axes of its first body.
@@ -156,7 +155,7 @@ class TimeSeries:
         return self._called("deflection", effect, component, unit)
 
     def gap(self, effect: str, component: str = "", unit: str = "") -> FloatArray:
-        """Gap of a contact over time, in m, negative where it is penetrated; ``gap(NAME)``.
+        """Gap of a contact over time, in m, negative in penetration; ``gap(NAME)``.
 
         Gears with backlash and elastic belts have two, "first" and "second".
         """
@@ -173,17 +172,17 @@ class TimeSeries:
     def power(self, source: str, part: str = "whole", unit: str = "") -> FloatArray:
         """Power of an effect or driver on the machine, W.
 
-        "whole" is that of all that it exerts. "nonconservative" leaves out the forces of its
-        potential: such as the damper of a spring, which changes the energy of the machine.
+        "whole" is the power of all its forces. "nonconservative" leaves out those of its potential;
+        this part, such as that of a damper, changes the energy of the machine.
         """
         return self._called("power", source, part, unit)
 
     def work(self, source: str, unit: str = "") -> FloatArray:
         """Work of an effect or driver on the machine since the start of a simulation, J.
 
-        It is the integral of its `power`, of all that it exerts. Impacts, which change velocities
-        at an instant, do no work here; see `runtime.dynamics.output_quantities`. An `InputError`
-        says so if the scene was declared without this work, or the analysis was no simulation.
+        It is the integral of the "whole" `power`. Impacts, which change velocities in an instant,
+        do no work here; see `runtime.dynamics.output_quantities`. An `InputError` says so if the
+        scene was declared without this work, or the analysis was no simulation.
         """
         return self._called("work", source, unit=unit)
 

@@ -70,14 +70,14 @@ def find_sparse_pivots(context: Context, row: int, search: int) -> int:
     return regular
 
 
-BEHIND = 0.1  # measured: of a step; how far back the motion is looked at
-AHEAD = 2.5  # measured: of a step; how far ahead it is
+BEHIND = 0.1  # measured: of a step; the motion is examined from so far back
+AHEAD = 2.5  # measured: of a step; the motion is examined so far ahead
 _REACH = 0.5  # measured: of the coordinates' sizes; how far a motion is continued
-_MARGIN = 0.5  # measured: of the time in which a pivot could vanish; when to look again
-_TRUST = 0.5  # measured: of the time over which nothing announced itself; when to look again
-_STEPS = 10.0  # safety: steps to the next look, at most; forces may grow meanwhile
+_MARGIN = 0.5  # measured: of the time in which a pivot could vanish; time to the next look
+_TRUST = 0.5  # measured: of the time ahead in which no position was found; time to the next look
+_STEPS = 10.0  # safety: most steps to the next look; forces may grow meanwhile
 _NEAR = 1e-5  # measured: a pivot that counts as small in any case
-_CANDIDATES = 4  # measured: pivots that change sign, most of them by way of infinity
+_CANDIDATES = 4  # measured: pivots with a change of sign that are examined; most have a pole there
 _REFINED = 6  # safety: steps by which a pivot that changes sign within a step is followed
 # Rows of `pivots`: pivots now, later, at the last look, and one over the lengths of Φ_q's rows.
 NOW, LATER, LAST, LENGTHS = range(4)

@@ -41,7 +41,7 @@ _REGULAR = 1e-13  # accuracy: of the largest: squared singular values below this
 _INVERSE = 300  # safety: steps of inverse iteration
 _SETTLED = 1e-8  # accuracy: relative change of the squared singular value at the last one
 _COLUMNS = 64  # layout: right sides that are solved for at once
-_KEEP = 5  # measured: iterations with the same second derivatives, but for the first one's
+_KEEP = 5  # measured: iterations with the same second derivatives, except after the first
 _FAR = 0.5  # safety: of a coordinate's size: a root so far from where the search began is another
 _FLAT = 1e-6  # accuracy: the largest entry of the complement at a singular position
 

@@ -26,7 +26,7 @@ _DIFFERENCES = (3e-5, 3e-7, 3e-9)
 _ROUNDING = 1.5e-14
 # accuracy: scaled residual of a redundant constraint, which rounding of the others may leave
 _REDUNDANT_GAP = 1e-7
-_CORRECTION = 30.0  # safety: scaled change of a dependent coordinate that is no correction any more
+_CORRECTION = 30.0  # safety: scaled change of a dependent coordinate that is no correction
 # measured: largest scaled change in one iteration; lengths may go on where K predicts it
 _REACH = 0.3
 _PREDICTED = 0.1  # measured: part of the force by which K may err in predicting the next one

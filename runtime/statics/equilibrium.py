@@ -102,17 +102,16 @@ class Equilibrium(Result):
     stability
         Whether the machine returns after a small push.
     frequencies
-        Natural frequencies about the rest position in Hz, of the stable directions, ascending;
-        none where the stiffness is known on one side only. `natural_frequencies` are the same in
-        rad/s.
+        Natural frequencies about the rest position in Hz, of the stable directions, ascending; none
+        if the stiffness is known on one side only. `natural_frequencies` are the same in rad/s.
     eigenvalues
-        Those of M⁻¹ K, the squared natural frequencies ω², in 1/s^2, ascending; negative in
-        directions in which the machine falls away; of complex ones the real part. Not numbers
-        where states take part, whose stability is not judged.
+        Those of M⁻¹ K, the squared natural frequencies ω², in 1/s^2, ascending; of complex ones the
+        real part. A negative one means that the machine moves away in its direction. With states
+        they are nan, since their stability is not judged.
     stiffness_matrix
-        K, the reduced stiffness, in the coordinates `independent`: change of the force along one of
-        them for a unit change of another, the joints and states kept, shape (f, f), in N/m, N or
-        N m/rad.
+        K, the reduced stiffness, in the coordinates `independent`: the change of the force along
+        one of them for a unit change of another, while joints and states are kept. Shape (f, f), in
+        N/m, N or N m/rad.
     independent
         Names of these coordinates.
     gradient

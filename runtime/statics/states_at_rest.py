@@ -15,10 +15,10 @@ from runtime.mechanism.module_tables import Description
 from runtime.statics.energy_minimisation import AWAY, StaticEquations
 
 _DIFFERENCE = 1e-5  # accuracy: scaled step of the central difference quotients
-_BALANCED = 1e-9  # accuracy: part of what unknowns of their size change a rate by; less is zero
+_BALANCED = 1e-9  # accuracy: part of the rate that unknowns of their size would cause; less is zero
 _ITERATIONS = 60  # safety: of Newton's method, which takes some five
 _REACH = 0.3  # measured: largest scaled change of an angle in one iteration
-_HALVINGS = 25  # safety: of a step that leads away
+_HALVINGS = 25  # safety: halvings of a step that leads away from the solution
 
 
 class StatesAtRest(NamedTuple):

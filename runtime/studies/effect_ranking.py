@@ -77,20 +77,19 @@ def matters(
         "simulate", "kinematics", "inverse_dynamics" or "equilibrium"; unless given, it follows from
         the scene: inverse dynamics where drivers leave no freedom, else simulation.
     fidelities
-        Whether the other fidelities of things that have several are tried as well.
+        Whether the other fidelities of elements that have several are tried as well.
     parameters, guess, start
-        As in the analyses, `start` by name; a variant without the thing that a value belongs to
-        ignores it.
+        As in the analyses, `start` by name; a variant ignores a value of an element that it lacks.
     method, formulation, rtol
-        Of a simulation; a second one with 100 `rtol`, and 100 `atol` where that is given, shows how
-        far it can be trusted.
+        As in `simulate`. A second run with 100 `rtol`, and with 100 `atol` if `atol` is given,
+        shows how far the numbers can be trusted.
     atol, controllers, until, correction, time_scale, first_step, max_step, max_steps, max_bytes
         As in `simulate`, for each of its runs.
     points
         Output instants of a timed run.
     rounds
-        Timed runs of each scene, of which the least time counts; as many as three seconds allow
-        unless given.
+        Timed runs of each scene, of which the shortest time counts; by default as many as three
+        seconds allow.
     progress
         Receives a line before every step that takes time.
 

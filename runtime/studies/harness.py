@@ -52,7 +52,7 @@ TIMEOUT = "TIMEOUT"
 TIME = "integration_seconds"  # entry of `Result.stats`
 LEFT_OUT = "none"  # fidelity of an effect left out: `codegen.reading.scene_selection.Variant.word`
 LIBRARIES = ("numba", "llvmlite", "numpy", "scipy", "sympy")
-MOST = 30  # safety: runs by which a time is taken, however short
+MOST = 30  # safety: runs for one measured time, however short they are
 
 _OF_THE_STUDY = {
     *("self", "parameters", "guess", "start", "progress", "out"),

@@ -58,7 +58,7 @@ LEAST_RTOL = 1e-12  # accuracy: tightest rtol of a compared run
 REPEATS = 5, 0.1  # measured: least number of timed runs of a setting, and their time in s
 QUICK_REPEATS = 3, 0.01  # measured: the same of a quick study
 ENOUGH = 1e-9  # accuracy: scaled error beyond which no tighter tolerance is tried
-GIVEN_UP = 2  # safety: successive timeouts after which tighter tolerances, as slow, are not tried
+GIVEN_UP = 2  # safety: timeouts in a row after which tighter tolerances are not tried
 CHOICE_RTOLS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
 _MODEL_ERROR = 0.1  # accuracy: share by which a run's error may differ from the tightest run's
 
@@ -110,29 +110,29 @@ def accuracy(
         `.linkwright_cache`.
     quantities
         Series that are compared, as `Result.series` names them; unless given, the coordinates from
-        which the scene starts and their velocities. ``a.x|b.x`` is whichever of them a scene has,
-        where modelling choices have bodies of other names.
+        which the scene starts and their velocities. ``a.x|b.x`` is the one of the two that a scene
+        has, for modelling choices whose bodies have different names.
     t_end, t_start
-        Of the run, s. A reference from a file ends it where no end is given.
+        Of the run, s. Without `t_end`, the run ends with the reference from a file.
     methods, formulations
-        As in `simulate`; each with each. With "dop853" in all coordinates, correction at every
-        stage and projection are tried as well.
+        As in `simulate`; all combinations run. With "dop853" in all coordinates, correction at
+        every stage and projection are tried as well.
     rtols
-        Relative tolerances, 1e-12 at least; unless given, two a decade from 1e-2 to 1e-10, and on
-        to 1e-12 for settings that need them for nine digits. Absolute ones follow as in `simulate`.
+        Relative tolerances, 1e-12 at least; unless given, two per decade from 1e-2 to 1e-10, and to
+        1e-12 where nine digits need it. Absolute tolerances follow as in `simulate`.
     points
-        Instants at which runs are compared, equally spaced, the start not among them.
+        Number of equally spaced instants, without the start, at which runs are compared.
     reference
         A .csv file with columns t, in s, and the quantities, to compare with at its instants.
-        Without one, a run of one method at 1e-13 that other methods confirm.
+        Without a file, the reference is a run of one method at 1e-13 that other methods confirm.
     modelling, beside
-        Whether the scene is also run with each other fidelity of things that have several. Further
-        scenes of the model that stand for the same machine, compared in the same way.
+        `modelling`: whether the scene also runs with each other fidelity of elements that have
+        several. `beside`: further scenes that model the same machine, compared in the same way.
     building
-        Whether the scene is built anew and each stage timed, with the companion modules that the
-        methods and formulations take; by default unless `quick`: four tolerances, few runs a time.
+        Whether the scene is built anew and each stage timed, with the companion modules of the
+        methods; by default unless `quick`, which runs four tolerances with few repeats.
     limit, steps
-        Time in s and steps that a run may take; a reference may take more.
+        Limits of a run: time in s, and number of steps. A reference may take more.
     atol, controllers, until, time_scale, first_step, max_step, max_steps, max_bytes
         As in `simulate`, for each of its runs; `correction` follows from the setting.
     progress

@@ -1,4 +1,4 @@
-"""An ensemble: many runs of one machine in threads, by a compiled loop as far as that goes."""
+"""An ensemble: many runs of one machine in threads, in a compiled loop where that is possible."""
 
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
@@ -42,12 +42,12 @@ _BLOCK = 32  # measured: members that a thread takes at a time, at most
 _SHARES = 8  # safety: blocks for each thread, so that all end at about the same time
 _FIRST_STEPS = 512  # measured: trial steps of the first call of the compiled loop
 _MOST_STEPS = 1 << 20  # safety: of any call
-# measured: s of a call, up to which its steps double, and twice that; behind it threads look
-# whether they are to stop
+# measured: s of a call; its steps double if it takes less, and halve if it takes twice as long.
+# After a call a thread checks whether it is to stop
 _CALL = 0.025
 _LOOK = 0.1  # measured: s between two looks at the threads
-_TRIED = 64  # safety: members of which the compiled loop must finish a part, to be gone on with
-# measured: part of them that is left to single runs, from which on it does not pay
+_TRIED = 64  # safety: members after which the use of the compiled loop is judged
+# measured: part of them that is left to single runs, from which on the loop is not worth it
 _MOST_LEFT = 0.8
 _MEGABYTE = 1e6  # formula: bytes of a megabyte
 

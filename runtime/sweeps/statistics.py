@@ -1,4 +1,4 @@
-"""What a study tells: statistics, indices of sensitivity by SALib, sentences and pictures."""
+"""Evaluation of a study: statistics, sensitivity indices by SALib, sentences and pictures."""
 
 import warnings
 from collections.abc import Iterator, Sequence
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _SHARES = (0.00135, 0.5, 0.99865)  # layout: three standard deviations of a normal distribution
 _SHOWN = 3  # layout: failed runs of one outcome that sentences name
 _LONGEST = 160  # layout: characters of a message in a sentence
-_LEAST = 100  # accuracy: runs from which delta is worth its name
+_LEAST = 100  # accuracy: least number of runs for a useful delta
 
 
 def statistics_of(study: "Study", shares: Sequence[float]) -> "pd.DataFrame":

@@ -1,4 +1,4 @@
-"""The Zarr store of a sweep, which the process that sweeps alone writes.
+"""The Zarr store of a sweep, which only the sweeping process writes.
 
 A row is written number by number, its outcome last: a run without an outcome is not made, nor one
 of whose row a file is missing. Zarr replaces each file whole, so that a process may end anywhere; a

@@ -143,7 +143,7 @@ class Study:
         return {name: float(self.data[name].values[k]) for name in self.factors}
 
     def member(self, run: int) -> "Result":
-        """The result of one run, which is repeated; the same programs return the same bits.
+        """Repeat one run and return its result; the same programs return the same bits.
 
         Parameters
         ----------
@@ -155,7 +155,7 @@ class Study:
         InputError
             If there is no such run, or the study was loaded without its machine.
         LinkwrightError
-            If the values of the run make no machine, with the run's message in the study.
+            If no machine has the values of the run; the message is that of the run in the study.
         """
         k = self._index(run)
         if self._machine is None:
@@ -189,10 +189,10 @@ class Study:
         return statistics_of(self, shares)
 
     def sensitivity(self, quantity: str | None = None, seed: int = 0) -> "pd.DataFrame":
-        """Indices that say how much of a quantity's variance each factor explains, by SALib.
+        """SALib's sensitivity indices: the share of a quantity's variance that a factor explains.
 
-        Of a design "saltelli" Sobol's indices of first order and in total, S1 and ST, each with its
-        confidence interval of 95 %; of other samples the moment-independent delta and S1.
+        For the design "saltelli": Sobol's first-order and total indices S1 and ST, each with its
+        confidence interval of 95 %. For other samples: the moment-independent delta and S1.
 
         Parameters
         ----------
@@ -212,7 +212,7 @@ class Study:
 
     @in_pyplot()
     def plot(self, quantity: str | None = None) -> "Figure":
-        """A quantity over the factors: a curve of one, a map of two, parallel axes of more.
+        """Plot a quantity over the factors: a curve for one, a map for two, parallel axes for more.
 
         Parameters
         ----------
@@ -241,7 +241,7 @@ class Study:
         }  # fmt: skip
 
     def sentences(self) -> tuple[str, ...]:
-        """What became of the runs."""
+        """The outcomes of the runs in sentences."""
         from runtime.sweeps.statistics import sentences_of
 
         return tuple(sentences_of(self, self._note))
@@ -282,20 +282,20 @@ _MACHINE = readers.instance("runtime.", "Machine", "a machine, as load() makes i
 def load_study(path: str | os.PathLike[str], machine: Machine | None = None) -> Study:
     """The study that a sweep wrote, in any process.
 
-    It is data alone: nothing of it is run, and no model is loaded because a file names it.
+    A study is data only: nothing in it is executed, and no model that it names is loaded.
 
     Parameters
     ----------
     path
         The folder of the Zarr store.
     machine
-        The machine of the study, for `Study.member`. A warning says where the programs are others
-        than those of the sweep, so that the last digits of a run may differ.
+        The machine of the study, for `Study.member`. A warning names programs that differ from
+        those of the sweep, so that the last digits of a run may differ.
 
     Raises
     ------
     InputError
-        If it was not written by a sweep, has anything but a sweep's data, or is that of another
+        If the folder was not written by a sweep, contains anything else, or belongs to another
         machine.
     """
     place = Path(path).resolve()

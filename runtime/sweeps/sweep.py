@@ -61,10 +61,10 @@ if TYPE_CHECKING:
 Answer = TypeVar("Answer")
 Over = Mapping[str, Any] | Sequence[str]
 _NAMES = readers.texts('("max:B.fx",)')
-_LEAST_SECONDS = 1.5  # measured: of runs, below which processes would take longer to start
+_LEAST_SECONDS = 1.5  # measured: s of runs, below which processes would take longer to start
 _TRIAL_SECONDS = 0.5  # measured: s of the processor after which a mean time of runs is known
 _TRIALS = 5  # measured: members that are run beforehand
-_SLOW_SECONDS = 10.0  # measured: s of a first run, beside which loading and compiling is little
+_SLOW_SECONDS = 10.0  # measured: s of a first run, beside which loading and compiling are short
 
 
 def _over(value: Any) -> Any:
@@ -118,7 +118,7 @@ def sweep(
     resume: bool = False, folder: str | os.PathLike[str] | None = None,
     generated: str | os.PathLike[str] | None = None, progress: bool = True, **run: Any,
 ) -> Study:  # fmt: skip
-    """Run a machine many times, with other values each time, and keep a row of each run.
+    """Run a machine many times, with different values each time, and keep a row for each run.
 
     Parameters
     ----------
@@ -130,9 +130,9 @@ def sweep(
         distribution ``"normal:450:20"`` or ``("normal", 450.0, 20.0)``. Or an `xarray.Dataset` with
         the points.
     quantities
-        The numbers that are kept of each run: texts as in `matters`, such as ``"max:B.fx"``,
-        ``"bob.phi"`` (at the end; its column is ``end:bob.phi``), ``"event:latch"``; or texts and
-        functions of a result by name.
+        The numbers that each row has: texts as in `matters`, such as ``"max:B.fx"``, ``"bob.phi"``
+        (at the end; its column is ``end:bob.phi``), ``"event:latch"``; or texts and functions of a
+        result by name.
     out
         The folder of the Zarr store, ``study.zarr``, which must not exist unless `resume`.
     t_end, t_start, points
@@ -142,7 +142,7 @@ def sweep(
         "random" draw `count` points from intervals and distributions; "saltelli", the design of
         Sobol' indices, draws `count` · (factors + 2). The same seed draws the same points.
     keep
-        Series that are kept whole of each run, at the output instants.
+        Series of which each run keeps all values at the output instants.
     analysis
         "simulate", "kinematics", "inverse_dynamics" or "equilibrium"; unless given, it follows from
         the scene.
@@ -152,8 +152,8 @@ def sweep(
         For simulations, as in `simulate`; also atol, controllers, until, correction, time_scale,
         first_step, max_step, max_steps and max_bytes.
     workers
-        Processes on this computer, by default one for each core, or none for a sweep that is
-        shorter than their start; with 0 the calling process makes the runs.
+        Processes on this computer, by default one for each core; with 0 the calling process makes
+        the runs, by default if the sweep takes less time than the start of processes.
     scheduler
         The address of a Dask scheduler, whose cluster makes the runs in place of `workers`.
     resume
@@ -172,8 +172,8 @@ def sweep(
     InputError
         If arguments make no sense, `out` exists, or `resume` finds another sweep there.
     LinkwrightError
-        If the processes cannot work, as with a lost scheduler or a full disk. Finished runs remain,
-        and `resume` goes on.
+        If the processes cannot work, for example after the loss of the scheduler or with a full
+        disk. Finished runs remain, and `resume` goes on.
 
     Examples
     --------

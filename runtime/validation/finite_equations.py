@@ -1,4 +1,4 @@
-"""What is no finite number at a state: equations, forces, tables that the motion has left."""
+"""Causes of a state that is not finite: equations, forces, tables that the motion has left."""
 
 from collections.abc import Iterator
 from itertools import compress
@@ -13,7 +13,7 @@ from runtime.mechanism.dense_equations import Equations, FloatArray, IntArray
 from runtime.mechanism.table_rows import TableRange
 from runtime.results.result import Result
 
-_AHEAD = tuple(10.0**k for k in range(-12, 0))  # safety: of a second; where a run was to go next
+_AHEAD = tuple(10.0**k for k in range(-12, 0))  # safety: s ahead of a run's end
 _OF_FORCES = "effect", "nonconservative"  # kinds of powers
 _PLACES = (
     "a power, a root or a logarithm at or below zero, a division by zero, a table's end, an "
@@ -99,8 +99,8 @@ def _forces(
         )
 
 
-_MARGIN = 1e-9  # accuracy: of a table's length; nearer to its end it has still its value there
-_NEAR = 1e-6  # safety: of a table's length; so near to its end a run that fails was leaving it
+_MARGIN = 1e-9  # accuracy: of a table's length; nearer to its end it still has its last value
+_NEAR = 1e-6  # safety: of a table's length; so near to its end a failing run was leaving it
 _SOON = 1e-7  # accuracy: of a second, or of the time; over which an argument is differenced
 
 

@@ -1,4 +1,4 @@
-"""Refusal of analyses for which a scene lacks equations, or has contacts and frictions of sets."""
+"""Refusal of analyses for which a scene lacks equations, or has set-valued contacts or friction."""
 
 from typing import NoReturn
 

@@ -95,8 +95,8 @@ class AppliedForce(Effect):
 
     F at a point P: Q_r = F, Q_φ = (B s')ᵀ F (Haug 6.1), with F in global or in body axes.
 
-    Where another body exerts it, `from_`, the reaction -F acts on that body at the same place in
-    space, so that the pair keeps its momentum and its moment of momentum.
+    If another body, `from_`, exerts the force, the reaction -F acts on that body at the same place
+    in space, so that the pair keeps its momentum and its moment of momentum.
     """
 
     kind = "force"
@@ -165,7 +165,7 @@ class AppliedTorque(Effect):
 
     A torque about the axis normal to the plane, counter-clockwise positive.
 
-    Where another body exerts it, `from_`, the opposite acts on that body: rotor and stator.
+    If another body, `from_`, exerts the torque, the opposite torque acts on it: rotor and stator.
     """
 
     kind = "torque"
@@ -210,8 +210,8 @@ class LineForce(SpanMeasures, Effect):
 
     A force f along the line of two points, N, positive where it pulls them together.
 
-    f may be any expression, of the length ℓ and its rate ℓ̇ too. It has no potential, and its power
-    is -f ℓ̇. At ℓ = 0 the line has no direction, and a run stops there as not finite.
+    f may be any expression, also of the length ℓ and its rate ℓ̇. It has no potential, and its
+    power is -f ℓ̇. At ℓ = 0 the line has no direction, and a run ends there as not finite.
     """
 
     kind = "line force"

@@ -26,15 +26,15 @@ class ClearanceJoint(Effect):
     f = K δⁿ (1 + χ δ̇) while the eccentricity e exceeds the clearance c, with δ = e - c.
 
     e is the distance of the journal's centre j from that of the bearing i. Inside the clearance
-    nothing acts, also at e = 0, where the direction of e has no meaning; contact and its end are
+    nothing acts, so that e = 0, where e has no direction, is harmless; contact and its end are
     events of a run. K δⁿ is Hertz' law for n = 3/2. χ is the damping of Hunt and Crossley (1975);
-    Lankarani and Nikravesh (1990) give it for a restitution ε at an impact of speed v as
-    χ = 3 (1 - ε²)/(4 v). The joint has no potential, and all its work is booked. Where the surfaces
-    part faster than 1/χ the law pulls; they do not after such an impact.
+    Lankarani and Nikravesh (1990) give it for a restitution ε at an impact of speed v as χ = 3 (1 -
+    ε²)/(4 v). The joint has no potential, and all its work is counted. The law would pull if the
+    surfaces parted faster than 1/χ; after such an impact they part more slowly.
 
-    The friction -μ f tanh(v_t/v_c) acts at the contact, at the radius R of the journal from its
-    centre, against its speed v_t along the bearing's wall; v_c is the speed below which it creeps
-    (P. Flores, J. Ambrósio, J. C. P. Claro, H. M. Lankarani: Kinematics and Dynamics of Multibody
+    The friction -μ f tanh(v_t/v_c) acts at the contact, at the journal's radius R from its centre.
+    It opposes the speed v_t along the bearing's wall; below the speed v_c the contact creeps (P.
+    Flores, J. Ambrósio, J. C. P. Claro, H. M. Lankarani: Kinematics and Dynamics of Multibody
     Systems with Imperfect Joints, Springer 2008).
     """
 

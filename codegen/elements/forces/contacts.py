@@ -132,10 +132,10 @@ class Contact(GapSprings):
 
     The switching is located: g = 0 is an event of a run, and between events every step is smooth.
     The spring has the potential V = k g² / 2 while g < 0; the damper is a force. With damping the
-    force jumps where the contact begins, and at its end, where c ġ outweighs k g, it pulls.
-    With `may_pull` False it is cut off there: f = min(k g + c ġ, 0). Surfaces that do not stick, a
-    tyre on the road or a ball on the ground, need `may_pull` False. A gap that depends on the time
-    is a moving wall, whose spring has no potential.
+    force jumps where the contact begins; near its end c ġ exceeds -k g, and the force pulls.
+    `may_pull=False` cuts this off: f = min(k g + c ġ, 0). Surfaces that do not stick, a tyre on the
+    road or a ball on the ground, need `may_pull=False`. A gap that depends on the time is a moving
+    wall, whose spring has no potential.
     """
 
     kind = "contact"
@@ -179,7 +179,7 @@ class Stop(GapSprings):
     f = k (s - s_limit) + c ṡ where a coordinate s is below its lower or above its upper limit.
 
     s is the angle of a revolute joint, the travel of a sliding one, or any expression of
-    coordinates; k and c are along s. A stop never holds s back: where its damper would, it is cut
+    coordinates; k and c are along s. A stop never holds s back: a damper that would do so is cut
     off. Contact and its end are events of a run. The springs have the potential k (s - s_limit)²/2.
     """
 
@@ -266,19 +266,19 @@ GRAVITY = 9.81
 class RigidContact(Effect):
     """Two rigid bodies touch, or one meets a stop: they strike, rebound, rest and part.
 
-    g ≥ 0, F ≥ 0, F g = 0: a reaction F that is there only where the gap g is closed.
+    g ≥ 0, F ≥ 0, F g = 0: a reaction F acts only while the gap g is closed.
 
-    It acts along the gap as a contact's force does, Q = F g_q, and has the size that keeps the gap
-    closed, g̈ = 0; where it would have to pull, the bodies part. A gap that closes with the speed
-    ġ⁻ < 0 is an impact: velocities jump by M⁻¹ g_qᵀ times an impulse, the joints being kept, so
-    that ġ⁺ = -e ġ⁻ (Newton's law of restitution).
+    F acts along the gap as the force of a contact does, Q = F g_q, and keeps the gap closed, g̈ =
+    0; where F would have to pull, the bodies part. A gap that closes with the speed ġ⁻ < 0 is an
+    impact: velocities jump by M⁻¹ g_qᵀ times an impulse, so that ġ⁺ = -e ġ⁻ (Newton's law of
+    restitution), while the joints hold.
 
     In mode 1 the gap is open and nothing acts. In mode 0 the kernels exert the reaction F0, a
-    typical force; accelerations are linear in it, so that a run finds by which multiple of it the
-    gap stays closed, and reports F0 times this multiple.
+    typical force. Accelerations are linear in the reaction, so that a run finds, and reports, the
+    multiple of F0 that keeps the gap closed.
 
-    The gap is smooth; one that depends on the time is a moving wall, which does work. e goes from
-    0, an impact that does not rebound, to 1, one that loses no energy.
+    The gap must be smooth. A gap that depends on the time is a moving wall, which does work. e lies
+    between 0, no rebound, and 1, no loss of energy.
     """
 
     kind = "rigid contact"

@@ -76,16 +76,16 @@ class Coulomb(Effect):
 class DryFriction(Coulomb):
     """Two surfaces rub under a given normal force; they slide, and stick.
 
-    f = -μ N sign(ṡ) along the slip ṡ; at ṡ = 0 the force that keeps it, up to μ_s N (Coulomb).
+    f = -μ N sign(ṡ) along the slip ṡ; at ṡ = 0 the force that keeps ṡ = 0, up to μ_s N (Coulomb).
 
     The slip is a velocity, linear in the velocities of the bodies, ṡ = J q̇ + b; f acts as Q = Jᵀ f.
-    b is the speed of a belt, say. A change of sign of ṡ is an event of a run; where the force that
-    keeps ṡ at 0 lies within ±μ_s N, the run goes on sticking. The reported power is that on the
-    bodies, Q·q̇: a belt that carries a block along does work.
+    b is, for example, the speed of a belt. A change of sign of ṡ is an event of a run. Where the
+    force that keeps ṡ at 0 lies within ±μ_s N, the surfaces stick. The reported power is that on
+    the bodies, Q·q̇: a belt that carries a block along does work.
 
-    With a creep speed v_c the law is smooth instead, f = -μ N tanh(ṡ/v_c), and creeps where it
-    would stick, at ṡ = v_c f/(μ N) nearly. Where a normal force that varies is negative, nothing
-    presses.
+    With a creep speed v_c the law is smooth instead, f = -μ N tanh(ṡ/v_c): surfaces that would
+    stick creep at about ṡ = v_c f/(μ N). Where a variable normal force is negative, the friction is
+    0.
     """
 
     kind = "dry friction"
@@ -181,27 +181,26 @@ class JointFriction(Coulomb):
     f = -μ N sign(ṡ) along the slip s, N being the size of the joint's reaction (Coulomb).
 
     In a revolute joint of radius R the slip is the angle between the bodies, and f the torque
-    -μ R |F| sign(ω). In a translational joint the force across the guide presses; where the
-    bearing's length b is given, it presses at both ends, with |F/2 ± T/b| each. In a
-    revolute-translational joint the force across the line presses.
+    -μ R |F| sign(ω). In a translational joint N is the force across the guide; if the bearing's
+    length b is given, its ends are pressed with |F/2 + T/b| and |F/2 - T/b|. In a
+    revolute-translational joint N is the force across the line.
 
     At ṡ = 0 the friction is the force that keeps the joint at rest, up to μ_s N. A change of sign
-    of ṡ is an event of a run. There the run finds the stiction force, compares it with the limit of
-    the reaction that goes with it, and goes on sticking where the force is small enough. Whether
-    the joint could slide does not matter: one that would jam on one side can stick. Only where a
-    condition or another friction changes with the same slip, the force is found between those of
-    sliding to either side.
+    of ṡ is an event of a run. At the event the run finds the stiction force and the reaction that
+    belongs to it. The joint sticks if the force is within the limit of that reaction, even if it
+    would jam in sliding to one side. If a condition or another friction changes with the same slip,
+    the force is found between the forces of sliding to either side.
 
     A joint that sticks reports its `force` (a revolute joint its `torque`), N as `normal`, and the
     `limit`, μ_s N or μ_s R N.
 
-    With a creep speed v_c the law is smooth instead, f = -μ N tanh(ṡ/v_c): below v_c the joint
-    creeps instead of sticking, at ṡ = v_c f/(μ N) nearly, and above three times v_c the force is
-    within half a percent of Coulomb's.
+    With a creep speed v_c the law is smooth instead, f = -μ N tanh(ṡ/v_c): a joint that would stick
+    creeps at about ṡ = v_c f/(μ N), and above three times v_c the force is within half a percent of
+    Coulomb's.
 
-    The reaction depends on the friction in turn, and both are solved together. Of two solutions the
-    smaller one is taken. Where no reaction agrees with the friction that it causes, a joint that
-    slides jams: accelerations and reactions are not a number there, and a run ends.
+    The reaction depends on the friction in turn; the run solves for both and takes the smaller of
+    two solutions. Where no reaction agrees with the friction that it causes, a sliding joint jams:
+    accelerations and reactions are not a number there, and the run ends.
     """
 
     kind = "friction"

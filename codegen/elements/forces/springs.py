@@ -109,14 +109,14 @@ class Spring(measures.SpanMeasures, SpringDamper):
     f = k (ℓ - ℓ0) + F0 + c ℓ̇ + F along the line of two points, N, positive in tension.
 
     F0 is the preload, the force at the length ℓ0: the spring is free of force at ℓ0 - F0/k.
-    The elastic part has the potential V = k (ℓ - ℓ0)² / 2 + F0 (ℓ - ℓ0), so that equilibrium and
-    the balance of energy see it; the damper and the actuator are forces, whose power is booked.
-    Where k, ℓ0 or F0 varies in a run, the elastic part has no potential and is booked with them.
+    The elastic part has the potential V = k (ℓ - ℓ0)² / 2 + F0 (ℓ - ℓ0), which equilibrium and the
+    balance of energy use; the damper and the actuator are forces, whose power counts as work. If k,
+    ℓ0 or F0 varies in a run, the elastic part is such a force too and has no potential.
 
-    At ℓ = 0 the line has no direction. A run that starts there stops as not finite, and one that
-    goes straight through it meets a force that turns about in an instant, which no event locates.
-    Only a spring with ℓ0 = 0, and neither damper nor actuator, passes smoothly; for a passage along
-    a known line, write a contact or a potential along it.
+    At ℓ = 0 the line has no direction. A run that starts there ends as not finite. In a run that
+    passes straight through, the force reverses in an instant, which no event locates. Only a spring
+    with ℓ0 = 0, without damper and actuator, is smooth there; for a passage along a known line,
+    write a contact or a potential along it.
     """
 
     kind = "spring"
@@ -165,8 +165,8 @@ class TorsionSpring(measures.TurnMeasures, SpringDamper):
     n = k (θ - θ0) + N0 + c θ̇ + N with θ = φ_j - φ_i; n acts on body i, -n on body j.
 
     N0 is the preload, the torque at the angle θ0. The elastic part has the potential
-    V = k (θ - θ0)² / 2 + N0 (θ - θ0); the damper and the actuator are forces. Where k, θ0 or N0
-    varies in a run, the elastic part is booked with them.
+    V = k (θ - θ0)² / 2 + N0 (θ - θ0); the damper and the actuator are forces. If k, θ0 or N0 varies
+    in a run, the elastic part is a force too and has no potential.
     """
 
     kind = "torsion spring"
@@ -213,7 +213,7 @@ class Bushing(Springs):
     Forces -k s - c ṡ along the displacements s = (A_iᵀ d, φ_j - φ_i - θ0), d = r_j^P - r_i^P.
 
     The springs have the potential V = Σ k s² / 2; the dampers are forces. The axes turn with body
-    i, so a displaced bushing has a moment about it: all of this follows from s.
+    i, so a displaced bushing exerts a moment on body i. This too follows from s.
     """
 
     kind = "bushing"

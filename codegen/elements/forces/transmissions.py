@@ -1,4 +1,4 @@
-"""What turns bodies against each other: motors, freewheels, belts and gears that yield."""
+"""Torques between bodies that turn: motors, freewheels, elastic belts and gears."""
 
 import sympy
 
@@ -20,10 +20,10 @@ class Motor(measures.TurnMeasures, Effect):
 
     T = T_s (u - ω/ω_0) on the rotor j, -T on the stator i, with ω = φ̇_j - φ̇_i.
 
-    The line of a motor with permanent magnets, whose armature has neither inductance nor friction:
-    T_s is its torque at rest and ω_0 its speed without load, both at the rated voltage, and u the
-    voltage as a multiple of it, from -1 to 1 as a rule. With u = 0 it is short-circuited and brakes
-    by T_s/ω_0 of viscous damping. Beyond ω_0 it is a generator.
+    This is the line of a motor with permanent magnets, without inductance and friction. T_s is the
+    torque at rest and ω_0 the speed without load, both at the rated voltage; u is the voltage
+    divided by the rated voltage, usually from -1 to 1. With u = 0 the motor is short-circuited and
+    brakes with the viscous damping T_s/ω_0. Beyond ω_0 it is a generator.
     """
 
     kind = "motor"
@@ -66,16 +66,17 @@ class OneWayClutch(measures.TurnMeasures, Effect):
 
     w = ω_j - ω_i ≥ 0, T ≥ 0, T w = 0: a torque T on the driven body j, -T on the driver i.
 
-    Where the driven body is faster it overruns, and nothing acts. Where both have one speed it
-    grips: it exerts what keeps them together, as long as that is a torque T ≥ 0, and overruns
-    where the torque would be negative. Both are events of a run. A speed w < 0 at the start, or
-    behind the impact of something else, ends in an impact of the clutch, w⁺ = 0, with the joints
-    kept. There is no drag in overrunning, and no play.
+    If the driven body is faster, it overruns and nothing acts. If both have one speed, the clutch
+    grips: it exerts the torque T ≥ 0 that keeps them together, and overruns where T would be
+    negative. Both changes are events of a run. If w < 0 at the start, or after an impact elsewhere,
+    the clutch has an impact, w⁺ = 0, in which the joints hold. An overrunning clutch has no drag,
+    and there is no play.
 
-    With a capacity T_c it slips: it exerts at most T_c, and T_c while the driver is faster.
+    With a capacity T_c the clutch slips: T is at most T_c, and equals T_c while the driver is
+    faster.
 
-    In mode 1 it overruns. In mode 0 the kernels exert a typical torque, from the inertias;
-    accelerations are linear in it, so that a run finds by which multiple of it w stays zero.
+    In mode 1 it overruns. In mode 0 the kernels exert a typical torque, from the inertias.
+    Accelerations are linear in the torque, so that a run finds the multiple that keeps w at zero.
     """
 
     kind = "one-way clutch"
@@ -120,18 +121,18 @@ class OneWayClutch(measures.TurnMeasures, Effect):
 
 @element
 class ElasticBelt(Pulleys, GapSprings):
-    """A belt that stretches runs round two pulleys; a side that would push goes slack.
+    """A belt that stretches runs round two pulleys; a strand that would push goes slack.
 
     Tensions T0 ± (k u + c u̇), never below 0, with u = R_j (φ_j - φ_c) - R_i (φ_i - φ_c) - s0.
 
-    u is the stretch of the one strand, and -u that of the other. The pulleys turn in bearings of
-    the carrier c, the ground or an arm that turns; for a crossed belt R_i is negative in the
-    stretch. k = E A/L is the stiffness of one strand, N/m, and T0 the
-    tension of both when the belt is idle. A strand is slack where its stretch has used up T0/k:
-    there, and where its damper would push, it exerts nothing. Both changes are events of a run.
+    One strand stretches by u, the other by -u. The pulleys turn in bearings of the carrier c, the
+    ground or an arm that turns; for a crossed belt R_i is negative in the stretch. k = E A/L is the
+    stiffness of one strand, N/m, and T0 the tension of both when the belt is idle. A strand is
+    slack where it is shorter by T0/k or more than in the idle belt. A slack strand exerts no force,
+    nor does one whose damper would push. Both changes are events of a run.
 
-    R_j times the difference of the tensions turns pulley j back, R_i times it turns pulley i. Their
-    sum draws the bearings together inside the carrier, and is not modelled; nor are creep and slip.
+    R_j times the difference of the tensions turns pulley j back, and R_i times the difference turns
+    pulley i. The sum of the tensions loads the carrier and is not modelled; nor are creep and slip.
     """
 
     kind = "elastic belt"
@@ -166,15 +167,15 @@ class GearWithBacklash(WheelPair, GapSprings):
 
     f = k (u ∓ b/2) + c u̇ where |u| > b/2, with u = R_i (φ_i - φ_c) + R_j (φ_j - φ_c) - s0.
 
-    u is how far the teeth have moved through each other along the pitch circles, m, from the middle
-    of the backlash b. On each flank they bear by a stiffness k and a damping c, and never pull:
-    where the damper would, it is cut off. Contact and its end are events of a run, and between the
-    flanks nothing acts. The gears turn in bearings of the carrier c, the ground or an arm that
-    turns; an internal gear has a negative radius.
+    u is the relative motion of the teeth along the pitch circles, m, from the middle of the
+    backlash b. A stiffness k and a damping c act on each flank. They never pull: a damper that
+    would pull is cut off. Contact and its end are events of a run, and between the flanks nothing
+    acts. The gears turn in bearings of the carrier c, the ground or an arm that turns; an internal
+    gear has a negative radius.
 
     -R_i f turns gear i and -R_j f gear j. There is no pressure angle: the force along the line of
-    centres, and the shift of the pitch point, are inside the carrier. For rigid teeth without play
-    see gear.
+    centres and the shift of the pitch point are not modelled. For rigid teeth without play see
+    gear.
     """
 
     kind = "gear with backlash"

@@ -29,12 +29,12 @@ class CamFlatFollower(Constraint):
 
     n_jᵀ (r_i + A_i c(α) - r_j^P) = 0 and n_jᵀ A_i c'(α) = 0: the face touches the profile c.
 
-    The second equation is divided by a typical |c'|, so that it is an angle, nearly.
+    The second equation is divided by a typical |c'|, so that it is nearly an angle.
 
     The parameter α at the contact is a coordinate of the joint's own. The second equation
-    determines it, since n_jᵀ A_i c'' vanishes nowhere on a convex profile. With the normal
-    n = (-u_y, u_x) of the face's axis u pointing from the cam into the follower, the component fy
-    of the reaction is the force of contact: where it is negative, the follower would lift off.
+    determines it, since n_jᵀ A_i c'' vanishes nowhere on a convex profile. If the normal n = (-u_y,
+    u_x) of the face's axis u points from the cam into the follower, the component fy of the
+    reaction is the contact force: where fy is negative, the follower would lift off.
     """
 
     kind = "cam and flat-faced follower"
@@ -88,11 +88,11 @@ class CamFollower(Constraint):
     The contact points coincide, along c_i' and across it, and the tangents are parallel.
 
     With d = A_iᵀ (r_j + A_j c_j(β) - r_i) - c_i(α) the equations are c_i'ᵀ d = 0, c_i'⊥ᵀ d = 0 and
-    c_i'⊥ᵀ A_iᵀ A_j c_j' = 0, each divided by a typical |c_i'|, the last by |c_j'| too, so that
-    they are lengths and an angle, nearly. The parameters α and β at the contact are coordinates of
-    the joint's own; the first equation determines α and the last one β wherever the curvatures of
-    the two curves differ. The reaction acts at the contact, its y axis along the normal, to the
-    left of the direction in which α runs; a roller is a circle.
+    c_i'⊥ᵀ A_iᵀ A_j c_j' = 0. Each is divided by a typical |c_i'|, the last by |c_j'| too: they are
+    nearly two lengths and an angle. The parameters α and β at the contact are the joint's own
+    coordinates. The first equation determines α; the last one determines β where the curvatures of
+    the two curves differ. The reaction acts at the contact. Its y axis is the normal to the left of
+    the direction in which α grows.
     """
 
     kind = "cam and follower"
@@ -161,9 +161,9 @@ class CamFollower(Constraint):
 class PointFollower(Constraint):
     """A point of body j, a pin or a knife edge, follows a curve of body i: a cam or a slot.
 
-    d = A_iᵀ (r_j^P - r_i) - c(α) = 0, written along the curve, c'ᵀ d, and across it.
+    d = A_iᵀ (r_j^P - r_i) - c(α) = 0, as two equations: along the curve, c'ᵀ d, and across it.
 
-    Both are divided by a typical |c'|, so that they are lengths, nearly.
+    Both are divided by a typical |c'|, so that they are nearly lengths.
 
     The parameter α is a coordinate of the joint's own; the equation along the curve determines
     it, with the derivative -c'ᵀ c'. Haug writes the two equations in global axes, where neither

@@ -49,8 +49,8 @@ class Translational(Constraint):
     The line through point i along `axis` of body i carries point j; the bodies keep their angle.
 
     Haug (3.3.13) states parallelism by a cross product, v_i⊥ᵀ v_j = 0, which also holds when the
-    slider is turned by π. Here the second equation is φ_j - φ_i = const: the same Jacobian up to
-    a factor, constant, and with the one solution that is meant.
+    slider is turned by π. Here the second equation is φ_j - φ_i = const. Its Jacobian is constant,
+    the same up to a factor, and it has only the solution that is meant.
     """
 
     kind = "translational"
@@ -77,10 +77,10 @@ class RevoluteTranslational(Constraint):
 
     (u_i⊥)ᵀ d_ij - c = 0: point j keeps the distance c, to the left, from a line of body i.
 
-    The massless slide block between a guide (body i) and a pin (point j of body j). The reaction's
-    x axis points along the line: the guide pushes across it, so `fx` and `torque` are 0.
-    `instead_of` names the body that the joint stands for: it acts in the scenes that leave this
-    body out.
+    This is a massless slide block between a guide (body i) and a pin (point j of body j). The
+    reaction's x axis points along the line. The guide pushes across the line, so `fx` and `torque`
+    are 0. `instead_of` names the body that the joint stands for: it acts in the scenes that leave
+    this body out.
     """
 
     kind = "revolute-translational"
@@ -119,15 +119,15 @@ class RackAndPinion(Constraint):
 
     (u⊥)ᵀ d - R = 0 and uᵀ d + R (φ_pinion - φ_rack) - s0 = 0, both bodies free to move.
 
-    With u the rack's axis and d the way from the rack's point, on the pitch line, to the pinion's
-    centre: the pinion stays on the left of the axis, at its pitch radius, and rolls without slip.
-    A pinion that turns counter-clockwise on a rack held fast moves against the axis; a rack under
-    a pinion held in place moves along it. `offset` s0 is uᵀ d at the angle φ_pinion = φ_rack.
+    u is the rack's axis, and d the vector from the rack's point, on the pitch line, to the pinion's
+    centre. The pinion stays to the left of the axis, at its pitch radius, and rolls without slip. A
+    pinion that turns counter-clockwise on a fixed rack moves against the axis; a rack under a
+    pinion that stays in place moves along the axis. `offset` s0 is uᵀ d where φ_pinion = φ_rack.
 
     The reaction is the force and torque of the pinion on the rack, in the rack's axes (x along
-    `axis`) and about the pinion's centre: `fx` is the force at the teeth, `torque` = R `fx` the
-    torque that turns the pinion for it. The teeth bear in both directions and without play; `fy` is
-    the force of the guide that keeps the centre at its distance, and not that of a pressure angle.
+    `axis`) and about the pinion's centre. `fx` is the force at the teeth, and `torque` = R `fx` the
+    torque that turns the pinion against it. The teeth bear in both directions and without play.
+    `fy` is the force that keeps the centre at its distance; it does not come from a pressure angle.
     """
 
     kind = "rack-and-pinion"
@@ -161,13 +161,13 @@ class RollingDisc(Constraint):
 
     (u⊥)ᵀ d - R = 0 and uᵀ d + R (φ_disc - φ_line) - s0 = 0: the disc touches and does not slip.
 
-    With u the direction of the line and d the way from its point to the disc's centre, which stays
-    on the left of the line. In the plane rolling is a matter of positions: `offset` s0 is uᵀ d at
-    φ_disc = φ_line. The equations are those of a rack and pinion; a disc on a disc is a gear.
+    u is the direction of the line, and d the vector from its point to the disc's centre, which
+    stays to the left of it. `offset` s0 is uᵀ d at φ_disc = φ_line. The equations are those of a
+    rack and pinion; a disc on a disc is a gear.
 
     The reaction is the force of the line on the disc at the contact, in axes of the line: `fx` is
-    the traction, `fy` the normal force, `torque` is 0. The disc is held on the line and never
-    slips: it would lift off where `fy` is negative, and slide where |fx| exceeds μ fy.
+    the traction, `fy` the normal force, `torque` is 0. The disc always stays on the line: a real
+    disc would lift off where `fy` is negative, and slide where |fx| exceeds μ fy.
     """
 
     kind = "rolling disc"
@@ -200,16 +200,16 @@ TRAVEL = (ALONG - LEAD / (2 * sympy.pi) * (SPINDLE.phi - I.phi) - OFFSET,)
 
 @element
 class Screw(Constraint):
-    """A spindle drives a nut along its axis, by its lead each turn.
+    """A spindle drives a nut along its axis, by one lead in each turn.
 
     uᵀ d - h/2π (φ_s - φ_i) - s0 = 0: each turn of the spindle moves the nut by its lead h.
 
-    With u the axis in the frame i, and d the way from its point to that of the nut j. The spindle's
-    own axis would lie in the plane; here the body that stands for it turns in the plane, as the
-    wheel of a bevel gear before it, or a motor, would. A left-hand thread has a negative lead.
+    u is the axis in the frame i, and d the vector from its point to that of the nut j. The axis of
+    a real spindle lies in the plane. Here the spindle is a body that turns in the plane, like a
+    motor, or like the wheel of a bevel gear in front of it. A left-hand thread has a negative lead.
 
-    The reaction is the force along the axis on the nut, N; -h/2π times it turns the spindle. A
-    guide that carries the nut is a joint of its own. There is no friction, and no play.
+    The reaction is the force along the axis on the nut, N; -h/2π times this force turns the
+    spindle. The guide that carries the nut is a separate joint. There is no friction, and no play.
     """
 
     kind = "screw"

@@ -95,8 +95,8 @@ class Distance(RevoluteRevolute):
 
     (r_j^P - r_i^P)ᵀ (r_j^P - r_i^P) - c² = 0; absolute where one of the points is on the ground.
 
-    The equation is that of a massless link of length c, and so is the reaction: its x axis points
-    from point i to point j.
+    The equation and the reaction are those of a massless link of length c. The x axis of the
+    reaction points from point i to point j.
     """
 
     kind = "distance"
@@ -142,14 +142,14 @@ class Absolute(Constraint):
 
 @element
 class Relative(Constraint):
-    """Two points keep the difference of their x or y, or two bodies that of their angles.
+    """Two points keep the difference of their x or y, or two bodies the difference of their angles.
 
     x_j^P - x_i^P = c, y_j^P - y_i^P = c or φ_j - φ_i = c, in global axes.
 
-    The reaction is that of the constraint on body j at its point, in global axes. Body i gets
-    the opposite force at its own point. The moment of this pair, where the points are apart across
-    the force, is borne by whatever keeps the global axes from turning; so a relative x or y
-    between two free bodies keeps their linear momentum and their energy, not the angular momentum.
+    The reaction is the force of the constraint on body j at its point, in global axes. The opposite
+    force acts on body i at its own point. If the two forces have different lines of action, the
+    global axes bear their moment. So a relative x or y between two free bodies keeps their linear
+    momentum and their energy, but not their angular momentum.
     """
 
     kind = "relative"

@@ -54,20 +54,20 @@ class Gear(Constraint):
 
         θ = θ_0 + (R_i φ_i + R_j φ_j) / (R_i + R_j),
 
-    and the equation says that the line of centres has this angle. It holds on a carrier that
-    turns, through any number of turns: nothing in it jumps. An internal gear has a negative
-    radius: the same formula. `line` θ_0 is the angle of the line from centre i to centre j, rad,
-    at which the teeth mesh with φ_i = φ_j = 0; None stands for the angle at which the bearings
-    hold the centres, with the body that carries them at φ = 0, and for 0 where there are none. The
-    equation is met by θ and by θ + π, so assembly starts nearer to the one that is meant.
+    and the equation says that the line of centres has this angle. It is smooth, and holds on a
+    carrier that turns, through any number of turns. An internal gear has a negative radius and the
+    same formula. `line` θ_0 is the angle of the line from centre i to centre j, rad, at which the
+    teeth mesh with φ_i = φ_j = 0. With None, θ_0 is the angle at which the bearings hold the
+    centres while their carrier is at φ = 0; without bearings it is 0. Both θ and θ + π satisfy the
+    equation, so assembly starts nearer to the one that is meant.
 
-    The gears' centres are kept apart by bearings or a carrier, not by this joint. The reaction is
-    what gear i exerts on gear j, x along the line of centres, at the centre of j: `fy` is the
-    tangential force at the teeth, `torque` its moment, `fx` is 0. The teeth bear in both
-    directions, without play; there is no pressure angle.
+    Bearings or a carrier keep the gears' centres apart, not this joint. The reaction acts from gear
+    i on gear j, at the centre of j, with x along the line of centres: `fy` is the tangential force
+    at the teeth, `torque` its moment, and `fx` is 0. The teeth bear in both directions, without
+    play; there is no pressure angle.
 
-    `joints` are those of the model, among which the bearings are looked for: revolute joints, and
-    welds but for those among its `connections`, which come and go.
+    The bearings are found among `joints`, the joints of the model: revolute joints, and welds
+    except those of its `connections`, which come and go.
     """
 
     kind = "gear"
@@ -302,16 +302,16 @@ class Pulleys(WheelPair):
 class Belt(Pulleys, Constraint):
     """A belt or a chain runs round two pulleys; the ratio of their radii is the gear ratio.
 
-    R_j (φ_j - φ_c) - R_i (φ_i - φ_c) = s0: equal lengths of belt run off i and onto j.
+        R_j (φ_j - φ_c) - R_i (φ_i - φ_c) = s0: equal lengths of belt leave i and reach j.
 
     The pulleys turn in bearings of the carrier c, the ground or an arm that turns. A crossed belt
-    turns them in opposite directions: R_i is negative in the equation. s0 belongs to the pulley
-    angles at which the belt was laid on.
+    turns them in opposite directions: R_i is negative in the equation. s0 is the value of the left
+    side when the belt was laid on.
 
-    The reaction is the force of the belt along the rim of pulley j, N, the difference of its
-    tensions: R_j times it turns pulley j, and R_i times it holds pulley i back. The belt is as
-    tight as it needs to be, and never slack. The sum of its tensions, which draws the bearings
-    together, is inside the carrier and not modelled.
+    The reaction is the force of the belt along the rim of pulley j, N: the difference of its
+    tensions. R_j times this force turns pulley j, and R_i times this force holds pulley i back. The
+    belt is never slack. The sum of its tensions draws the bearings together; the carrier bears it,
+    and it is not modelled.
     """
 
     kind = "belt"

@@ -219,7 +219,7 @@ def _remainder(scene: SceneGraph, contacts: Loads, sums: list[int], i: int) -> t
     return rest, slope
 
 
-CLOSE = 1.1  # measured: costs by structure this near to the least are equal, shared values unknown
+CLOSE = 1.1  # measured: ratio of two costs that count as equal, since shared values are not counted
 
 ORDERS: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
 """The orders of a small system that are compared; of equal ones the first is taken."""

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from codegen.lower.linear.factorization import Elimination, Strategy
 
 
-LARGE = 200  # measured: unknowns from which on ways take longer to build than to foresee
+LARGE = 200  # measured: unknowns from which on the cost of an order is estimated, not built
 
 
 class CostExceededError(Exception):

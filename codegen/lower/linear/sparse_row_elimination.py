@@ -13,7 +13,7 @@ from codegen.lower.graph import Graph
 from codegen.lower.linear.elimination_order import LARGE, CoordinateOrder, Row, Structure
 from codegen.lower.program import Check, Labels
 
-ROUNDING = 1e-12  # accuracy: a number below this part of the numbers it is a difference of is zero
+ROUNDING = 1e-12  # accuracy: a difference below this part of its operands is zero
 SEARCHED = 30  # safety: rows among which small sets are searched for
 
 

@@ -2,8 +2,8 @@
 Film follower
 =============
 
-Projects 5.1 and 8.1 of the book: a crank of 15 mm drives a coupler whose hook pulls a film on
-by one picture a turn.
+Projects 5.1 and 8.1 of the book: a crank of 15 mm drives a coupler whose hook advances a film
+by one picture in each turn.
 """
 
 # %%

@@ -2,7 +2,7 @@
 Watt six-bar linkage
 ====================
 
-A four-bar linkage whose coupler and rocker carry two links more, so that it has two loops. A
+A four-bar linkage whose coupler and rocker carry two more links in a second loop. A
 constant torque drives the crank against gravity and a spring.
 """
 

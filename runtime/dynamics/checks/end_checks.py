@@ -33,8 +33,8 @@ from runtime.validation.profiles import describe_cuts
 
 Rows = npt.NDArray[np.intp] | slice
 
-_JUDGED = 8  # measured: samples at which a missed event is looked for, of each function
-_SIDE_TOLERANCES = 10.0  # safety: of a switching function; by as much a mode may miss its sign
+_JUDGED = 8  # measured: samples of each function that are searched for a missed event
+_SIDE_TOLERANCES = 10.0  # safety: tolerances of a function by which its mode may miss its sign
 UNSCREENED = Suspicions(residuals=True)  # of a result without a run
 _SHOWN = 3  # layout: switches that the sentence names
 

@@ -1,4 +1,4 @@
-"""Balance of energy between samples, for runs in reduced coordinates, whose loop knows no energy.
+"""Balance of energy between samples, for runs in reduced coordinates, which compute no energy.
 
 Where nothing but potentials acts, the energy stays. Where powers act, they are integrated between
 the samples if these are the ends of steps: by Gauss' rule, on the quintic through positions,
@@ -20,8 +20,8 @@ from runtime.integrate.sampling import NODES, WEIGHTS
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.results.samples import Samples
 
-_WAYS = (1e-9, 1e-6)  # measured: of coordinates' sizes, at which rounding is looked for
-_PARTS = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # measured: of these ways
+_WAYS = (1e-9, 1e-6)  # measured: of coordinates' sizes; displacements in which rounding is measured
+_PARTS = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # measured: multiples of these displacements
 WORST = 3  # safety: changes that are judged, the largest of a run
 
 _X = tuple(0.5 * (1.0 + node) for node in NODES)

@@ -1,4 +1,4 @@
-"""Rows of a result that are no numbers: it ends before the first, and names what has none."""
+"""Rows of a result that are not finite: the result ends before them, and names the quantity."""
 
 from contextlib import suppress
 
@@ -14,7 +14,7 @@ from runtime.results.result import Result
 from runtime.results.samples import Samples
 from runtime.validation.finite_equations import infinite_terms, left_tables
 
-_TURNS, _PARTS = 7, 32  # accuracy: of the time between two rows an instant is found to 3e-11
+_TURNS, _PARTS = 7, 32  # accuracy: rounds, and parts in each: to 3e-11 between two rows
 
 
 def end_before_infinite(result: Result, equations: Equations) -> None:

@@ -29,12 +29,12 @@ _WAYS_IN = {
 }  # fmt: skip
 # What it may meet at events before a lock-up, where a contact's response to its force is rounding.
 _OF_ROUNDING = {Outcome.INCONSISTENT, Outcome.ZENO, Outcome.CONTRADICTED}
-_CLOSE = 1e-6  # safety: of the run; nearer to a jam, the jam is why it ends
+_CLOSE = 1e-6  # safety: of the run; a jam that is nearer to the end is its cause
 _AHEAD = np.array([0.0, 0.001, 0.01, 0.1, 1.0])  # safety: of `_CLOSE`; instants that are tried
-_LOST = 1e-3  # safety: least singular value, of unit rows, of what locks up
-_OWN = 0.1  # safety: of that of the joints alone; more is their own singular position
+_LOST = 1e-3  # safety: largest least singular value, in unit rows, of a lock-up
+_OWN = 0.1  # safety: of that of the joints alone; with more they are singular themselves
 _TOUCHING = 1e-9  # accuracy: of the machine's size; a narrower gap is closed
-_BEYOND = 1e-6  # safety: speed of drivers over that which following them takes; less is a lock-up
+_BEYOND = 1e-6  # safety: drivers' speed over the speed needed to follow them; less is a lock-up
 _JAM = (
     "{} jams{}: friction raises the force that presses{} by more than it needs, and no "
     "acceleration agrees with sliding on. A creep speed does not help: lower the coefficient, "

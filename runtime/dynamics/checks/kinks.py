@@ -15,7 +15,7 @@ from runtime.integrate.problem import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray, row_lengths
 from runtime.results.assembled_state import Assembly
 
-_CLOSE = 1e-6  # safety: of the run; nearer to a kink, the kink is why it ends
+_CLOSE = 1e-6  # safety: of the run; a kink that is nearer to the end is its cause
 _WAYS_IN = {
     *(Outcome.SINGULAR, Outcome.CONTRADICTED, Outcome.STEP_TOO_SMALL, Outcome.NEWTON_FAILED),
     *(Outcome.NOT_FINITE, Outcome.DISCONTINUOUS, Outcome.INCONSISTENT, Outcome.ZENO),
@@ -41,12 +41,12 @@ _OTHER_ADVICE = "State the equation without it, squared or by an angle that pass
 
 Kink = tuple[str, str, str]  # element, kind of place, function there
 
-_NEARBY = 1e-5  # safety: scaled motion, over which no slope changes much but at a kink
-_TURNED = 0.5  # safety: change of a slope over that, in parts of it, which is a jump
+_NEARBY = 1e-5  # safety: scaled motion over which a slope changes much at a kink only
+_TURNED = 0.5  # safety: change of a slope over this motion, in parts of the slope, that is a jump
 _LOOKED = 200  # measured: instants of a motion, at least, between which kinks are looked for
 _POINTS = 17  # measured: instants of a stretch in which a kink is looked for
-_ROUNDS = 16  # safety: such stretches, each an eighth of the one before
-_FLAT = 4.0  # safety: ratio of an argument beside its least value, from which on that is resolved
+_ROUNDS = 16  # safety: number of such stretches, each an eighth of the one before
+_FLAT = 4.0  # safety: ratio of an argument near its least value to it, at which this is resolved
 _VANISHED = 1e-13  # accuracy: of an argument; a smaller least value is 0
 _MAY_VANISH = 0.05  # safety: the same by a cubic through both ends of a stretch
 

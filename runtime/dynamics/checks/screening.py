@@ -27,11 +27,11 @@ from runtime.integrate.problem import Options, Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.results.samples import Samples
 
-CLOSED = 1e-9  # accuracy: of a coordinate's size; to this the joints close, however fine rtol is
-# measured: tolerances; Baumgarte's method with dopri5 leaves 0.4 of one, each other return 1e-5
+CLOSED = 1e-9  # accuracy: of a coordinate's size; joints close to this, however small rtol is
+# measured: tolerances; Baumgarte's method with dopri5 leaves 0.4 of one, other returns 1e-5
 RESIDUAL = 10.0
-SIDE = 1e-6  # safety: of a switching function's typical value; nearer to zero none is judged
-# safety: values that count as such in the mean of logarithms; contacts touch for a time
+SIDE = 1e-6  # safety: of a switching function's typical value; values nearer to zero are not judged
+# safety: bounds of values in the mean of logarithms; contacts touch for a time
 TINY, HUGE = 1e-9, 1e300
 APART = 1e-12  # accuracy: of the time; events and sides of kinks are nearer to their instants
 

@@ -160,12 +160,12 @@ def estimate_error(context: Context, t: float, c: float, other: int, share: floa
     return float(ERROR_CONSTANT[k + other] * filtered_error(context, t, Y1, c, raw))
 
 
-_SHARE = 0.2  # measured: factor of rtol^(1/5), the tolerance of a step over that of the user
-_NEWTON = 3e-3  # measured: how far Newton's method is taken, over the tolerance of the user
+_SHARE = 0.2  # measured: factor of rtol^(1/5) in the ratio of a step's tolerance to the user's
+_NEWTON = 3e-3  # measured: tolerance of Newton's method over that of the user
 # Cosines of the angles of A(α) stability, of the NDF: Shampine and Reichelt, table 1.
 _DAMPED = np.append([-1.0, -1.0, -1.0], np.cos(np.radians([80.0, 66.0, 51.0])))
 _RESOLVED = 0.5  # measured: rad in a step; a vibration that turns by less is resolved
-_PASSED = 15.0  # measured: rad in a step; between both the roots may lie outside the circle
+_PASSED = 15.0  # measured: rad in a step; between `_RESOLVED` and this the roots may be unstable
 _SAME = 1.1  # measured: a step that could grow by less keeps its length, and its matrix
 
 

@@ -32,7 +32,7 @@ GROW = 10.0  # measured: largest ratio of the lengths of two steps
 # what is foreseen of the change, psi, and the difference k + 1 of the unknowns at its end.
 PAST, NOW, AHEAD, PSI, DIFFERENCE = 0, 8, 16, 17, 18
 
-_FAILURES = 3  # measured: rejections in a row after which higher differences say nothing
+_FAILURES = 3  # measured: rejections in a row after which higher differences are useless
 
 
 def newton_form(powers: Sequence[Fraction]) -> list[Fraction]:

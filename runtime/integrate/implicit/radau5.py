@@ -71,12 +71,12 @@ POLYNOMIAL, VELOCITIES, SIDES = 0, 3, 6
 # Rows of the workspace after K: the stages' derivatives and states.
 SLOPES, STATES = 2, 5
 
-_NEWTON = 5e-4  # measured: how far Newton's method is taken, over the tolerance: steps are few
+_NEWTON = 5e-4  # measured: tolerance of Newton's method over that of the user; steps are few
 _MOST_ITERATIONS = 7  # safety: Newton iterations of a step
-_SLOWEST = 0.99  # safety: ratio of two Newton steps from which on the iteration is given up
+_SLOWEST = 0.99  # safety: ratio of two Newton steps from which on the iteration ends
 _SAME = 1.2  # measured: a step that could grow by less keeps its length, and its matrices
 _SMOOTH = 10.0  # measured: h² |G_u| + h |G_u̇| up to which accelerations add a sixth of their error
-GROW = 10.0  # measured: ratio of two steps' lengths up to which the last one's polynomial foretells
+GROW = 10.0  # measured: ratio of two steps up to which the last polynomial predicts the next one
 
 
 @inlined

@@ -102,13 +102,13 @@ def filtered_error(context: Context, t: float, state: int, c: float, raw: Vector
 Solver = Callable[[Integers, float, float], int]
 
 _SLOW = 0.05  # measured: rate of convergence above which the next step takes derivatives anew
-_FORGOTTEN = 0.9  # measured: power of the last rate of convergence with which a step begins
-_LOOSEST = 0.03  # measured: of the tolerance of a step; how far Newton's method is taken at least
-_ROUNDED = 64.0 * EPS  # accuracy: rounding in a difference of high order, of a step's change
+_FORGOTTEN = 0.9  # measured: power of the last rate of convergence, with which the next step begins
+_LOOSEST = 0.03  # measured: of the tolerance of a step; loosest tolerance of Newton's method
+_ROUNDED = 64.0 * EPS  # accuracy: of a step's change; rounding in a difference of high order
 _STIFF = 16.0 * EPS  # accuracy: the same of velocities, where stiff forces hold a position
 _SOLVED = 4.0 * EPS  # accuracy: rounding in Newton's residual
-_LEAST = 8.0 * EPS  # accuracy: in the past of dependent coordinates, of the largest coordinate
-_RECOVERED = 4.0 * EPS  # accuracy: and this times the square of the ratio of speeds
+_LEAST = 8.0 * EPS  # accuracy: of the largest coordinate; rounding in past dependent coordinates
+_RECOVERED = 4.0 * EPS  # accuracy: the same, times the square of the ratio of speeds
 _FASTEST = 10.0  # safety: largest ratio of speeds, dependent over independent, that counts
 
 

@@ -1,4 +1,4 @@
-"""Dormand-Prince 8(5,3) that says when the equations have become stiff.
+"""Dormand-Prince 8(5,3) with a test of whether the equations have become stiff.
 
 It starts with the explicit method of order 8, which needs the fewest evaluations where nothing is
 stiff. Now and then the exact derivatives are taken and their spectral radius ρ is found. A step is
@@ -23,16 +23,16 @@ from runtime.integrate.method import LEADING, find_method
 _EXPLICIT = find_method(LEADING)
 _stages, _LAST = _EXPLICIT.stages, _EXPLICIT.last
 _EVERY = 10  # measured: steps between two estimates of the stiffness
-# measured: h ρ that the explicit method hardly exceeds at tight tolerances: the rest of a fast
-# motion is resolved then, far from the edge of the region of stability, at 6.
+# measured: h ρ that the explicit method hardly exceeds at tight tolerances, where it resolves the
+# remaining fast motion; the edge of its stability is at 6.
 _TURN = 0.3
 _EDGE = 4.0  # measured: h ρ that no accuracy permits; the method is at its stability limit
 _EASY = 0.5  # measured: of the relative change of accelerations in a Radau step, about rtol^(1/5)
 _SEEN = 30  # measured: such steps before the method changes
-_DOUBT = 2  # measured: of them are forgotten for one other
+_DOUBT = 2  # measured: such steps that are forgotten after a different one
 
 _MANY = 20  # measured: unknowns from which on three stages at a time cost more than small steps
-_LOOSE = 1e-5  # measured: relative tolerance down to which those are few
+_LOOSE = 1e-5  # measured: relative tolerance down to which small steps are few
 
 _DECAYED = mem.CHANGE  # place in METHOD_FLOATS: sum of -h Re λ over the steps
 

@@ -55,9 +55,9 @@ MAX_RUNS = 6  # layout: runs beside each other
 
 @checked_class
 class Animation:
-    """A machine in motion with its curves, as a page that needs nothing else.
+    """A machine in motion with its curves, as a self-contained page.
 
-    In a notebook it shows itself, also after the export to HTML.
+    A notebook shows it, also after the export to HTML.
 
     Attributes
     ----------
