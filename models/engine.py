@@ -48,12 +48,24 @@ pressure = model.table(
 # Bodies, with their centres of mass at their origins.
 crank = model.body("crank", mass=8.0, inertia=0.004 + flywheel_inertia, draw=disc(1.5 * radius))
 rod = model.body("rod", mass=0.6, inertia=0.0015)
-piston = model.body("piston", mass=0.5, inertia=0.0005, draw=rectangle(0.8 * bore, bore))
+rings = [rectangle(0.03 * bore, 0.9 * bore, (place * bore, 0)) for place in (0.18, 0.28)]
+piston = model.body("piston", mass=0.5, inertia=0.0005,
+                    draw=rectangle(0.8 * bore, bore).with_holes(*rings))  # fmt: skip
 
 model.revolute("A", model.ground.at(0, 0), crank)
 model.revolute("B", crank.at(radius, 0), rod.at(-rod_length / 2, 0))
 model.revolute("C", rod.at(rod_length / 2, 0), piston)
 model.translational("cylinder", model.ground, piston, axis=(1, 0))
+
+# For the eye: the cylinder with its fins, the head with two valves and the spark plug.
+head = radius + rod_length + 0.55 * bore
+parts = [(0.15, 1.2, 0.07, 0), (0.5, 0.14, 0.2, 0)]  # widths, heights and centres, in bores
+for y in (-1, 1):
+    parts += [(2, 0.1, -0.9, 0.55 * y), (0.08, 0.3, -0.04, 0.26 * y), (0.6, 0.06, 0.3, 0.26 * y)]
+    parts += [(0.07, 0.3, -0.2 * k, 0.7 * y) for k in range(6)]
+model.draw_ground([
+    rectangle(w * bore, h * bore, (head + x * bore, y * bore)) for w, h, x, y in parts
+])  # fmt: skip
 
 model.force("gas", on=piston, fx=-(pressure(crank.phi) - ambient) * pi * bore**2 / 4)
 model.torque("load", on=crank, value=-load_torque * crank.omega)

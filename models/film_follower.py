@@ -40,7 +40,7 @@ from math import cos, radians, sin
 from pint import get_application_registry
 from sympy import pi
 
-from codegen import Model, t
+from codegen import Model, rectangle, t
 
 model = Model("film_follower")
 mm = get_application_registry().mm
@@ -75,6 +75,13 @@ model.revolute("D", rocker.at(15 * mm, 0 * mm), model.ground.at(-30 * mm, 45 * m
 
 # The hook, which no force touches: the studies follow its path.
 hook = coupler.at((105 * cos(radians(2.73)) - 50) * mm, 105 * sin(radians(2.73)) * mm)
+
+# For the eye: a film of 35 mm, laid into the plane, with pictures and perforations.
+strip = rectangle(35 * mm, 78 * mm, (-35.5 * mm, 106 * mm))
+pictures = [rectangle(21 * mm, 15.5 * mm, (-35.5 * mm, y * mm)) for y in (77, 96, 115, 134)]
+perforations = [rectangle(2.8 * mm, 2 * mm, (x * mm, (69.2 + 4.75 * k) * mm))
+                for k in range(16) for x in (-49.5, -21.5)]  # fmt: skip
+model.draw_ground(strip.with_holes(*pictures, *perforations))
 
 # Three ways to drive the crank: by the clock, evenly, and by a motor.
 model.driver("crank_drive", crank.phi, drive_speed * t)

@@ -52,7 +52,7 @@ upright = model.body(
     "upright",
     mass=35.0,
     inertia=1.0,
-    draw=[disc(radius), disc(0.04)],  # the wheel, and its hub
+    draw=[disc(radius).with_holes(disc(0.2)), disc(0.18).with_holes(disc(0.04))],  # tyre, rim
 )
 
 # The chassis' origin is at the height of the lower pivots; x points from the car to the wheel.

@@ -48,7 +48,7 @@ shaper
 
 from sympy import And, pi
 
-from codegen import Model, t
+from codegen import Model, disc, rectangle, t
 
 model = Model("quick_return", gravity=(0, -9.81))
 
@@ -62,10 +62,13 @@ cutting_force = model.parameter("cutting_force", 200e3, unit="N", sign="nonnegat
 
 # Bodies 2 to 6, with their centres of mass at their origins.
 rocker = model.body("rocker", mass=100.0, inertia=100.0)
-crank = model.body("crank", mass=1000.0, inertia=flywheel_inertia)
+crank = model.body("crank", mass=1000.0, inertia=flywheel_inertia, draw=disc(1.8))
 block = model.body("block", mass=5.0, inertia=0.05)
 rod = model.body("rod", mass=30.0, inertia=10.0)
-slider = model.body("slider", mass=slider_mass, inertia=1.5)
+tool = [(-3.8, -0.3), (-3.8, -0.6), (-4, -1), (-4.3, -0.6), (-4.3, 0.3)]  # on the ram
+slider = model.body("slider", mass=slider_mass, inertia=1.5,
+                    draw=[(0.8, 0.3), (0.8, -0.3), *tool])  # fmt: skip
+model.draw_ground(rectangle(4.8, 1.2, (-5.5, 2.4)))  # the workpiece
 
 # Places on them.
 tip, foot = rocker.at(2, 0), rocker.at(-2, 0)

@@ -29,7 +29,7 @@ integral
 
 from sympy import Max, Min
 
-from codegen import Model
+from codegen import Model, disc, rectangle
 
 model = Model("robot_arm", gravity=(0, -9.81))
 
@@ -37,10 +37,14 @@ model = Model("robot_arm", gravity=(0, -9.81))
 payload = model.parameter("payload", 1.0, unit="kg", sign="nonnegative")
 
 # Uniform rods, centres of mass in the middle and x' along the link; the payload is at the tip.
-upper = model.body("upper", mass=4.0, inertia=0.22)
-fore = model.body("fore", mass=2.5, inertia=0.08)
-hand = model.body("hand", mass=1.0, inertia=0.01)
-load = model.particle("load", mass=payload)
+ends = [disc(0.1, (-0.4, 0)), disc(0.08, (0.4, 0))]
+upper = model.body("upper", mass=4.0, inertia=0.22, draw=[*ends, rectangle(0.8, 0.12)])
+ends = [disc(0.07, (-0.3, 0)), disc(0.06, (0.3, 0))]
+fore = model.body("fore", mass=2.5, inertia=0.08, draw=[*ends, rectangle(0.6, 0.09)])
+palm = [rectangle(0.23, 0.07, (-0.06, 0)), rectangle(0.03, 0.17, (0.06, 0))]
+fingers = [rectangle(0.15, 0.03, (0.14, y)) for y in (-0.07, 0.07)]
+hand = model.body("hand", mass=1.0, inertia=0.01, draw=[*palm, *fingers])
+load = model.particle("load", mass=payload, draw=rectangle(0.1, 0.1))
 
 model.revolute("shoulder", model.ground.at(0, 0), upper.at(-0.4, 0))
 model.revolute("elbow", upper.at(0.4, 0), fore.at(-0.3, 0))

@@ -24,7 +24,7 @@ rocking
 
 from sympy import pi, sin
 
-from codegen import Model, t
+from codegen import Model, disc, rectangle, t
 
 model = Model("scotch_yoke", gravity=(0, -9.81))
 
@@ -37,12 +37,18 @@ pump_force = model.parameter("pump_force", 60.0, unit="N", sign="nonnegative")
 drive_speed = model.parameter("drive_speed", float(4 * pi), unit="rad/s")
 rocking_torque = model.parameter("rocking_torque", 0.3, unit="N m")
 
-crank = model.body("crank", mass=3.0, inertia=0.05)
-yoke = model.body("yoke", mass=2.0, inertia=0.02)
+crank = model.body("crank", mass=3.0, inertia=0.05, draw=disc(1.2 * radius))
+frame, plunger = rectangle(0.07, 2 * radius + 0.08), rectangle(0.03, 0.12, (0.38, 0))
+yoke = model.body("yoke", mass=2.0, inertia=0.02, draw=[frame, rectangle(0.76, 0.03), plunger])
 
 model.revolute("A", model.ground.at(0, 0), crank)
 slot = model.revolute_translational("slot", yoke, crank.at(radius, 0), axis=(0, 1))
 guide = model.translational("guide", model.ground, yoke, axis=(1, 0))
+
+# For the eye: the bearings of the rod, and the pump's cylinder.
+bearings = [rectangle(0.08, 0.03, (x, y)) for x in (-0.25, 0.2) for y in (-0.032, 0.032)]
+walls = [rectangle(0.26, 0.012, (0.395, y)) for y in (-0.068, 0.068)]
+model.draw_ground([*bearings, *walls, rectangle(0.012, 0.148, (0.525, 0))])
 
 model.friction("slot_rub", slot, slot_friction)
 model.friction("guide_rub", guide, guide_friction, length=bearing)

@@ -28,9 +28,9 @@ throw
 
 from math import asin
 
-from sympy import And, atan2, cos, sin
+from sympy import And, atan2, cos, pi, sin
 
-from codegen import Model
+from codegen import Model, bar, disc, rectangle
 
 model = Model("trebuchet", gravity=(0, -9.81))
 
@@ -41,10 +41,16 @@ sling_length = model.parameter("sling_length", 5.5, unit="m", sign="positive")
 release_angle = model.parameter("release_angle", 0.6, unit="rad")
 
 # The beam's centre of mass is its middle; x' from the tip to B.
-beam = model.body("beam", mass=300.0, inertia=1600.0)
-counterweight = model.body("counterweight", mass=load, inertia=700.0)
-ball = model.particle("ball", mass=ball_mass)
+tapered = [(-4, -0.1), (2.5, -0.25), (4.2, -0.2), (4.2, 0.2), (2.5, 0.25), (-4, 0.1)]
+beam = model.body("beam", mass=300.0, inertia=1600.0, draw=tapered)
+box = [rectangle(1.6, 1.4, (0, -0.2)), bar(1.2, 0.25, angle=pi / 2)]
+counterweight = model.body("counterweight", mass=load, inertia=700.0, draw=box)
+ball = model.particle("ball", mass=ball_mass, draw=disc(0.28))
 tip = beam.at(-4, 0)
+
+# For the eye: the frame, two legs and what they stand on.
+legs = [bar(5.4, 0.4, (x, 0), atan2(5, -x)) for x in (-2, 2)]
+model.draw_ground([*legs, rectangle(6, 0.3, (0, -0.15)), rectangle(2.6, 0.25, (0, 1.8))])
 
 model.revolute("A", model.ground.at(0, 5), beam.at(2.5, 0))
 model.revolute("B", beam.at(4, 0), counterweight.at(0, 1.2))

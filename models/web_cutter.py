@@ -35,7 +35,7 @@ running
 
 from sympy import And, pi
 
-from codegen import Model, t
+from codegen import Model, disc, rectangle, t
 
 model = Model("web_cutter", gravity=(0, -9.81))
 
@@ -62,6 +62,12 @@ model.revolute("A", model.ground.at(0, 0), crank.at(-0.02, 0))
 model.revolute("B", crank.at(0.02, 0), coupler.at(-0.28, 0))
 model.revolute("C", coupler.at(0, 0), rocker.at(-0.14, -0.07))
 model.revolute("D", rocker.at(0.26, -0.07), model.ground.at(0.26, -0.04))
+
+# For the eye: the web from its roll through feeding rollers, and sheets that were cut off.
+roll = disc(0.1, (0.68, 0.19)).with_holes(disc(0.03, (0.68, 0.19)))
+rollers = [disc(0.035, (0.47, y)) for y in (0.2495, 0.3305)]
+sheets = [rectangle(0.13, 0.008, (x, 0.29)) for x in (0.235, 0.085, -0.065, -0.215)]
+model.draw_ground([roll, *rollers, *sheets, rectangle(0.36, 0.008, (0.5, 0.29))])
 
 # The knives push the web, and the web pushes back, until the tips have met.
 upper = coupler.at(0.04, -0.24)

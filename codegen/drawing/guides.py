@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from codegen.drawing.contacts import contact_line
-from codegen.drawing.picture import BAR, BLOCK, SAME, Picture
+from codegen.drawing.picture import BAR, BLOCK, CHEEK, SAME, Picture
 from codegen.drawing.plane_geometry import FloatArray, Points, crossings, dot, in_frame, unit
 from codegen.drawing.shapes import (
     Bearing,
@@ -103,10 +103,14 @@ def _travel(
 def slot_ends(picture: Picture, guide: Guide) -> Points:
     """Where a slot begins and ends, in the frame of its body, (2,), m: where its pin travels.
 
-    Without a motion that is all of the circle on which the pin turns about the ground, if it does.
+    Without a motion that is all of the circle on which the pin turns about the ground, if it does,
+    else as much as an outline that is given has room for.
     """
-    room = 0.02
+    room, body = 0.02, picture.bodies[guide.body]
     ends = _travel(picture, guide.block, guide.body, guide.origin, guide.along, room)
+    if picture.motion is None and not (body.fixed or body.is_derived):
+        edge = dot(guide.along, np.concatenate(body.outlines) - guide.origin)
+        ends = np.clip(ends, edge.min() + CHEEK * picture.size, edge.max() - CHEEK * picture.size)
     if picture.motion is None and (center := _ground_pin(picture, guide.block.body)) is not None:
         now = ends.mean()
         reach = np.array([now, *_crank_circle(picture, guide, center, now)])

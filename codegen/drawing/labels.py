@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from codegen.drawing import shapes
-from codegen.drawing.annotations import WIDE, Series, drawn_loads
+from codegen.drawing.annotations import WIDE, Series, drawn_loads, force_scale
 from codegen.drawing.contacts import surfaces
 from codegen.drawing.guides import guide_of, pitch_point, rail_ends
 from codegen.drawing.lines_between_bodies import gap_of
@@ -151,7 +151,8 @@ def _surfaces(picture: Picture) -> Iterator[Label]:
 
 def _loads(picture: Picture, series: Series | None, values: bool) -> Iterator[Label]:
     """Names of what acts; with `values` also on which body, and its size."""
-    for load, strokes in drawn_loads(picture, None, series):
+    scale = force_scale(picture, series) if values else None
+    for load, strokes in drawn_loads(picture, scale, series):
         is_torque = load.style == "torque"
         number = f"{load.label}: {engineering(load.size, load.unit)}"
         places = np.array([load.at]) if is_torque else strokes[0].points[[-1, 0]]  # the far end

@@ -103,6 +103,10 @@ class MovingBodies(Constraints):
         outlines = self._outlines(draw, f"particle '{name}': draw")
         return self._declare(Particle(name, m, None, self.token, outlines=outlines))
 
+    def draw_ground(self, draw: Any) -> None:
+        """Draw a frame, a cylinder or the like as part of the ground: outlines as in `body`."""
+        object.__setattr__(self.ground, "outlines", self._outlines(draw, "ground: draw"))
+
     def coupler(
         self, name: str, i: Place, j: Place, length: Any, mass: Any = None, inertia: Any = None
     ) -> Body:

@@ -28,7 +28,7 @@ MACHINES = {
     "rack_and_pinion": Shown("running", 4.0),
     "robot_arm": Shown("continuous", 2.0),
     "scotch_yoke": Shown("running", 2.0),
-    "trebuchet": Shown("throw", 3.0),
+    "trebuchet": Shown("throw", 1.6),
     "valve_lifter": Shown("free_follower", 0.1),
     "watt_six_bar": Shown("constant_torque", 2.0),
     "web_cutter": Shown("running", 4.0),

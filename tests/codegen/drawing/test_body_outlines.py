@@ -114,6 +114,20 @@ def test_a_slot_without_a_motion_is_as_long_as_its_crank_needs() -> None:
     assert slot_ends(drawn, slot).real == pytest.approx([0.5 - room, 1.5 + room])
 
 
+def test_a_slot_without_a_motion_ends_within_an_outline_that_is_given() -> None:
+    drawn = picture(["block", "pin"], [(0.0, 0.0, 0.0), (0.0, 0.0, 0.0)], [
+        ("slot", "joint", Slot(Place(1, 0.0, 0.0), Place(2, 0.0, 0.0), 1.0, 0.0)),
+        ("far", "joint", Mark(Place(0, 2.0, 0.0))),
+    ])  # fmt: skip
+    slot = guide_of(drawn, drawn.symbols[0].shape)
+    corners = np.array([-0.2 - 0.2j, 0.3 - 0.2j, 0.3 + 0.2j, -0.2 + 0.2j])
+    given = BodyPicture("block", outlines=(corners,), is_derived=False)
+    bodies = (drawn.bodies[0], given, drawn.bodies[2])
+    first, last = slot_ends(replace(drawn, bodies=bodies), slot).real
+    assert -0.2 < first < -0.1
+    assert 0.2 < last < 0.3
+
+
 def test_a_rack_without_a_motion_has_room_for_its_pinion() -> None:
     drawn = picture(["pinion", "rack"], [(0.0, 1.0, 0.0), (0.0, 0.0, 0.0)], [
         ("mesh", "joint", Wheel(Place(1, 0.0, 0.0), 1.0, True)),

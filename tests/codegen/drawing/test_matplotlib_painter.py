@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from codegen import Model
 from codegen.drawing.annotations import dimension_lines, drawn_loads
-from codegen.drawing.labels import Label, Writer, engineering
+from codegen.drawing.labels import Label, Writer, engineering, labels
 from codegen.drawing.matplotlib_painter import PictureArtist, figure
 from codegen.drawing.picture import Symbol
 from codegen.drawing.shapes import Drive, Place, Reaction
@@ -61,6 +61,14 @@ def test_forces_have_their_sizes_and_a_scale() -> None:
     found = texts(figure(drawn, forces=True, series={"B.fx": 3e4, "B.fy": -4e4}))
     assert {"gas on slider: 50 kN", "B, crank on rod: 50 kN", "20 kN"} <= set(found)
     assert not any("kN" in text for text in texts(figure(drawn)))
+
+
+def test_a_small_force_has_its_text_beside_its_own_short_arrow() -> None:
+    drawn = slider_crank()
+    reaction = Symbol("B", "revolute", "joint", Reaction(1, 2, 1.4, 1.4, 1.0, 0.0))
+    drawn = replace(drawn, symbols=(*drawn.symbols, reaction))
+    (label,) = (one for one in labels(drawn, {"B.fx": 50.0}, True) if one.text.startswith("B,"))
+    assert abs(label.places - (1.4 + 1.4j)).max() < 1e-3 * drawn.size
 
 
 def test_torques_of_joints_and_drivers_have_sizes_and_bodies() -> None:

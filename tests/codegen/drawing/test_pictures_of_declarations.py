@@ -79,6 +79,17 @@ def test_outlines_follow_parameters_also_those_that_nothing_else_contains() -> N
         assert_allclose(abs(round_), expected)
 
 
+def test_the_ground_has_outlines_that_follow_parameters() -> None:
+    model = Model("plate")
+    width = model.parameter("width", 0.2, unit="m")
+    model.body("plate", 1.0, 1.0)
+    model.draw_ground([rectangle(2.0, width, (1, 0)), disc(width)])
+    model.scene("first")
+    ground, plate = declared_picture(model, None, {"width": 0.6}).bodies
+    assert_allclose(ground.outlines[0], [-0.3j, 2 - 0.3j, 2 + 0.3j, 0.3j])
+    assert (len(ground.outlines), ground.fixed, plate.is_derived) == (2, True, True)
+
+
 def test_places_may_have_any_function_of_machine_code() -> None:
     model = Model("bar")
     a, body = model.parameter("a", 0.3, unit="m"), model.body("bar", 1.0, 1.0)

@@ -21,7 +21,7 @@ function speedsFor(span) {
 /** A clock from `start` to `end`, s; its listeners are called with each new instant. */
 export class Clock {
   constructor(start, end) {
-    Object.assign(this, { start, end, t: start, playing: false, loop: false, listeners: [] });
+    Object.assign(this, { start, end, t: start, playing: false, loop: true, listeners: [] });
     this.speeds = speedsFor(end - start);
     this.speed = this.speeds[SLOWER];
   }

@@ -10,7 +10,7 @@ export const KEYS = [
   [["E"], "shift e", "to the event before", "previousEvent"],
   [[">", "."], "> or .", "faster", "faster"],
   [["<", ","], "< or ,", "slower", "slower"],
-  [["l"], "l", "loop", "loop"],
+  [["l"], "l", "play once, or again and again", "loop"],
   [["+", "="], "+", "zoom in", "zoomIn"],
   [["-"], "−", "zoom out", "zoomOut"],
   [["0"], "0", "the whole flight, or the machine", "fit"],

@@ -105,6 +105,15 @@ def test_keys(page: Any) -> None:
     assert page.get_by_role("dialog").get_by_role("row").count() > 15
 
 
+def test_a_run_begins_anew_at_its_end_until_the_loop_is_switched_off(page: Any) -> None:
+    advanced = "player.clock.seek(1.9), player.clock.play(), player.clock.advance(0.3)"
+    page.evaluate(advanced)
+    assert page.evaluate(TIME) == pytest.approx(0.2, abs=0.1)
+    page.locator("body").press("l")
+    page.evaluate(f"player.clock.pause(), {advanced}")
+    assert page.evaluate(f"[{TIME}, player.clock.playing]") == [2.0, False]
+
+
 def test_wheel_and_drag_move_the_view(page: Any) -> None:
     box = page.locator("svg.stage").bounding_box()
     middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
