@@ -246,10 +246,10 @@ class Machine(MachineStates):
     ) -> "Result":  # fmt: skip
         """Positions, velocities and accelerations of a machine whose drivers leave no freedom.
 
-        If the machine locks up, the result ends with the position in which it locks, where
-        velocities are nan, and the outcome says so. At a singular configuration where motions
-        cross, the result follows the branch of continuous velocity. Lock-ups and crossings are
-        events; `Result.singular` describes them.
+        If the machine locks up, the result has the instants before and then the position in which
+        it locks, where velocities are nan; the outcome says so. At a singular configuration where
+        motions cross, the result follows the branch of continuous velocity. Lock-ups and crossings
+        are events; `Result.singular` describes them.
 
         Parameters
         ----------

@@ -42,7 +42,7 @@ def library(name: str) -> Any:
 class Outline(tuple[Corner, ...]):
     """The outline of a body, with holes; as a tuple it has the corners of a polygon for drawing.
 
-    `vertices` are the ends of edges, (x', y') in m; `bulges` has that of the edge from each.
+    `vertices` are the ends of edges, (x', y') in m; `bulges` those of the edges that begin there.
     """
 
     vertices: tuple[Corner, ...]

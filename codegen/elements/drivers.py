@@ -153,9 +153,9 @@ class TranslationDriver(Driver):
 
     u_iᵀ d_ij - C(t) = 0: how far point j is ahead of point i along an axis of body i.
 
-    It drives a translational joint between the two points, or any other joint beside it. C may pass
-    through 0. The reaction is the force on body j along the axis, N; the opposite force acts on
-    body i on the same line of action.
+    It drives a translational joint between the two points; any other joint may hold them instead. C
+    may pass through 0. The reaction is the force on body j along the axis, N; the opposite force
+    acts on body i on the same line of action.
     """
 
     kind = "translation driver"

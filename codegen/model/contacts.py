@@ -175,9 +175,9 @@ class Contacts(Declarations):
         static
             μ_s of a joint that sticks, at least μ; None: μ.
         fidelity
-            ``"sticking"`` or ``"regularised"``: the fidelity in scenes that do not choose one. It
-            allows the numbers of both. Without it, a friction with a creep speed is regularised,
-            and one without a creep speed sticks.
+            ``"sticking"`` or ``"regularised"``: the fidelity in scenes that do not choose one. With
+            it, a declaration may give the numbers of both. Without it, a friction with a creep
+            speed is regularised, and one without a creep speed sticks.
         """
         law: JointFriction = self._element(
             JointFriction, name=name, joint=joint, coefficient=coefficient, creep=creep,
@@ -217,9 +217,9 @@ class Contacts(Declarations):
         creep
             The speed in m/s below which the surfaces creep, for a law that is regularised at rest.
         fidelity
-            ``"sticking"`` or ``"regularised"``: the fidelity in scenes that do not choose one. It
-            allows the numbers of both. Without it, a friction with a creep speed is regularised,
-            and one without a creep speed sticks.
+            ``"sticking"`` or ``"regularised"``: the fidelity in scenes that do not choose one. With
+            it, a declaration may give the numbers of both. Without it, a friction with a creep
+            speed is regularised, and one without a creep speed sticks.
         """
         where = f"dry friction '{name}'"
         if slip is not None:

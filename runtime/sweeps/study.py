@@ -155,7 +155,7 @@ class Study:
         InputError
             If there is no such run, or the study was loaded without its machine.
         LinkwrightError
-            If no machine has the values of the run; the message is that of the run in the study.
+            If the machine refuses the values of the run, with the run's message in the study.
         """
         k = self._index(run)
         if self._machine is None:

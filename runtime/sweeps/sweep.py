@@ -152,8 +152,8 @@ def sweep(
         For simulations, as in `simulate`; also atol, controllers, until, correction, time_scale,
         first_step, max_step, max_steps and max_bytes.
     workers
-        Processes on this computer, by default one for each core; with 0 the calling process makes
-        the runs, by default if the sweep takes less time than the start of processes.
+        Processes on this computer; with 0 the calling process makes the runs. By default one for
+        each core, or 0 if a sweep takes less time than the start of processes.
     scheduler
         The address of a Dask scheduler, whose cluster makes the runs in place of `workers`.
     resume

@@ -20,10 +20,10 @@ class Motor(measures.TurnMeasures, Effect):
 
     T = T_s (u - ω/ω_0) on the rotor j, -T on the stator i, with ω = φ̇_j - φ̇_i.
 
-    This is the line of a motor with permanent magnets, without inductance and friction. T_s is the
-    torque at rest and ω_0 the speed without load, both at the rated voltage; u is the voltage
-    divided by the rated voltage, usually from -1 to 1. With u = 0 the motor is short-circuited and
-    brakes with the viscous damping T_s/ω_0. Beyond ω_0 it is a generator.
+    This is the torque-speed line of a motor with permanent magnets, whose armature has neither
+    inductance nor friction. T_s is the torque at rest and ω_0 the speed without load, both at the
+    rated voltage; u is the voltage divided by the rated voltage, usually from -1 to 1. With u = 0
+    the motor is short-circuited and brakes with the damping T_s/ω_0; beyond ω_0 it is a generator.
     """
 
     kind = "motor"

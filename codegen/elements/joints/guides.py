@@ -50,7 +50,7 @@ class Translational(Constraint):
 
     Haug (3.3.13) states parallelism by a cross product, v_i⊥ᵀ v_j = 0, which also holds when the
     slider is turned by π. Here the second equation is φ_j - φ_i = const. Its Jacobian is constant,
-    the same up to a factor, and it has only the solution that is meant.
+    that of Haug up to a factor, and it has only the solution that is meant.
     """
 
     kind = "translational"

@@ -93,7 +93,7 @@ class RevoluteRevolute(Constraint):
 class Distance(RevoluteRevolute):
     """Two points keep their distance, as the ends of a taut wire or of a massless link do.
 
-    (r_j^P - r_i^P)ᵀ (r_j^P - r_i^P) - c² = 0; absolute where one of the points is on the ground.
+    (r_j^P - r_i^P)ᵀ (r_j^P - r_i^P) - c² = 0; one of the points may be on the ground.
 
     The equation and the reaction are those of a massless link of length c. The x axis of the
     reaction points from point i to point j.

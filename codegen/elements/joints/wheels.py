@@ -302,7 +302,7 @@ class Pulleys(WheelPair):
 class Belt(Pulleys, Constraint):
     """A belt or a chain runs round two pulleys; the ratio of their radii is the gear ratio.
 
-        R_j (φ_j - φ_c) - R_i (φ_i - φ_c) = s0: equal lengths of belt leave i and reach j.
+    R_j (φ_j - φ_c) - R_i (φ_i - φ_c) = s0: equal lengths of belt leave i and reach j.
 
     The pulleys turn in bearings of the carrier c, the ground or an arm that turns. A crossed belt
     turns them in opposite directions: R_i is negative in the equation. s0 is the value of the left
