@@ -28,7 +28,7 @@ compressor, compressor_massless_rod
 
 from sympy import Piecewise, cos, log, pi, sin
 
-from codegen import Model, t
+from codegen import Model, rectangle, t
 
 model = Model("slider_crank")
 
@@ -42,7 +42,9 @@ gas_scale = model.parameter("gas_scale", 1.0)
 # Bodies, with their centres of mass at their origins.
 crank = model.body("crank", mass=200.0, inertia=crank_inertia)
 rod = model.body("rod", mass=35.0, inertia=35.0)
-slider = model.body("slider", mass=25.0, inertia=0.02)
+rings = [rectangle(0.08, 1.1, (x, 0)) for x in (2.0, 2.2)]
+slider = model.body("slider", mass=25.0, inertia=0.02,
+                    draw=rectangle(2.8, 1.2, (1.1, 0)).with_holes(*rings))  # fmt: skip
 
 # Joints. Where a scene leaves the rod out, a massless link stands for it (model 2).
 model.revolute("A", model.ground.at(0, 0), crank.at(0, 0))
@@ -50,6 +52,11 @@ model.revolute("B", crank.at(2, 0), rod.at(-rod_length / 2, 0))
 model.revolute("C", rod.at(rod_length / 2, 0), slider.at(0, 0))
 model.translational("guide", model.ground, slider, axis=(1, 0))
 model.revolute_revolute("link", crank.at(2, 0), slider.at(0, 0), rod_length, instead_of=rod)
+
+# For the eye: the cylinder, and the pipes at its head.
+walls = [rectangle(5.2, 0.16, (6.0, y)) for y in (-0.7, 0.7)]
+pipes = [rectangle(0.8, 0.12, (9, y)) for y in (-0.5, -0.2, 0.2, 0.5)]
+model.draw_ground([*walls, *pipes, rectangle(0.16, 1.56, (8.6, 0))])
 
 # The crank at constant speed.
 model.driver("crank_drive", crank.phi, pi / 4 + drive_speed * t)
