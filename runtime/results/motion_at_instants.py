@@ -1,5 +1,6 @@
 """A result at other instants: between its samples, on a side of an event, or at some samples."""
 
+import sys
 from copy import copy
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol
 
@@ -21,6 +22,8 @@ Side = Literal["before", "after"]
 # accuracy: units of rounding of a run's times; the two sides of a kink are 32 of them apart
 _CLOSE = 40.0
 _SHOWN = 6  # layout: instants that a message names
+_PARTS = 9  # measured: of an interval in which a mode changes, in each round
+_ROUNDS = 8  # accuracy: after which the change is known to 2e-8 of the interval
 
 
 class Sampling(NamedTuple):
@@ -124,6 +127,32 @@ def resampled(result: "Result", how: Sampling, besides: FloatArray | None = None
     order = np.argsort(moved, kind="stable")
     times = np.concatenate([between, events, events])[order]
     return _sampled(result, motion, times, moved[order])
+
+
+def with_both_sides(result: "Result") -> "Result":
+    """A result with its own instants and both sides of its events, and of changes of modes.
+
+    Modes of driven motions may change between two samples, without an event that is located.
+    """
+    motion, t, modes = result._motion, result.instants_of_states, result.samples.modes
+    if motion is None or len(t) < 2:
+        return result
+    changes = [one.time for one in result.reconnections]
+    besides = np.array([*changes, *np.nextafter(changes, np.inf)])
+    if result.analysis != "simulation" and len(k := _changes(modes)):
+        for _ in range(_ROUNDS):
+            t = np.unique(np.linspace(t[k], t[k + 1], _PARTS + 1))
+            k = _changes(_sampled(result, motion, t, t).samples.modes)
+        besides = np.concatenate([t[k], t[k + 1]])
+    if not len(besides) and not result.events:
+        return result
+    every = Sampling(a_step=0, least=0, most=sys.maxsize, events=sys.maxsize, patience=np.inf)
+    return resampled(result, every, besides)
+
+
+def _changes(modes: npt.NDArray[np.int64]) -> npt.NDArray[np.intp]:
+    """The samples behind which a mode changes."""
+    return np.flatnonzero((np.diff(modes, axis=0) != 0).any(axis=1))
 
 
 def _sampled(result: "Result", motion: Motion, times: FloatArray, moved: FloatArray) -> "Result":

@@ -9,6 +9,7 @@ count:gas              the number of its events
 """
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -19,33 +20,45 @@ from codegen.readers.values import finite_float
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.table_rows import unknown
+from runtime.results.motion_at_instants import with_both_sides
 from runtime.results.result import Result
 
 Function = Callable[[Result], float]
 EVENTS = ("event", "count")
+_OF_ENDS = ("end", "rate")  # reductions that take the first and last sample alone
+_with_both_sides = lru_cache(maxsize=1)(with_both_sides)  # for all quantities of a result
+_ALIKE = 0.25  # accuracy: of the bend at a maximum; a smaller one beside it tells a jump or a kink
+_BESIDE = 1e-3  # layout: of a step between samples; nearer ones are on both sides of a jump
 
 
 class Series(NamedTuple):
-    """A function of time at instants: (k,), (k,), and the instants at which it may jump, (e,)."""
+    """A function of time at instants, (k,) and (k,), two of them close together at each jump."""
 
     t: FloatArray
     x: FloatArray
-    jumps: FloatArray
+
+    def jumps(self, near: slice) -> bool:
+        """Whether samples on both sides of a jump are among these."""
+        steps = np.diff(self.t[near])
+        return bool(steps.min() < _BESIDE * steps.max())
 
 
 def largest(series: Series) -> float:
-    """The maximum: of the parabola through the three largest samples where they are smooth."""
-    t, x, jumps = series
+    """The maximum: of the parabola about the largest sample if the curve bends alike beside it."""
+    t, x = series
     k = int(np.argmax(x))
-    if not 0 < k < len(x) - 1 or ((jumps >= t[k - 1]) & (jumps <= t[k + 1])).any():
+    if not 0 < k < len(x) - 1 or series.jumps(slice(k - 1, k + 2)):
+        return float(x[k])
+    first = k - 1 if k < 2 or series.jumps(slice(k - 2, k + 1)) else k - 2
+    end = k + 2 if k > len(x) - 3 or series.jumps(slice(k, k + 3)) else k + 3
+    slopes = np.diff(x[first:end]) / np.diff(t[first:end])
+    bends = np.diff(slopes) / (t[first + 2 : end] - t[first : end - 2])  # half of x''
+    j = k - 1 - first
+    if len(bends) < 2 or not (bends < _ALIKE * bends[j]).all() or bends[j] >= 0.0:
         return float(x[k])
     before, after = t[k] - t[k - 1], t[k + 1] - t[k]
-    left, right = (x[k] - x[k - 1]) / before, (x[k + 1] - x[k]) / after
-    curvature = (right - left) / (before + after)  # half the second derivative
-    if curvature >= 0.0:
-        return float(x[k])
-    slope = (left * after + right * before) / (before + after)
-    return float(x[k] - slope * slope / (4.0 * curvature))
+    slope = (slopes[j] * after + slopes[j + 1] * before) / (before + after)
+    return float(x[k] - slope * slope / (4.0 * bends[j]))
 
 
 def least(series: Series) -> float:
@@ -55,13 +68,13 @@ def least(series: Series) -> float:
 
 def mean(series: Series) -> float:
     """The mean over time, by trapezoids."""
-    t, x, _ = series
+    t, x = series
     return float(np.trapezoid(x, t) / (t[-1] - t[0]))
 
 
 def rate(series: Series) -> float:
     """The change over the time."""
-    t, x, _ = series
+    t, x = series
     return float((x[-1] - x[0]) / (t[-1] - t[0]))
 
 
@@ -74,15 +87,16 @@ def period(series: Series) -> float:
             f"it crosses its mean upwards {counted(len(rises), 'time')} "
             "between the ends, which is not enough for a period; take a later end."
         )
-    first, last = (_crossing(series.t, level, int(k)) for k in (rises[0], rises[-1]))
+    first, last = (_crossing(Series(series.t, level), int(k)) for k in (rises[0], rises[-1]))
     return (last - first) / (len(rises) - 1)
 
 
-def _crossing(t: FloatArray, x: FloatArray, k: int) -> float:
-    """The instant between samples k and k + 1 at which x passes zero, by bisection."""
+def _crossing(series: Series, k: int) -> float:
+    """The instant between samples k and k + 1 at which it passes zero, by bisection."""
+    t, x = series
     near = slice(max(k - 1, 0), min(k + 3, len(t)))
     low, high = float(t[k]), float(t[k + 1])
-    if np.diff(t[near]).min() < 1e-3 * np.diff(t[near]).max():  # samples on both sides of a jump
+    if series.jumps(near):
         near = slice(k, k + 2)
     at = (t[near] - low) / (high - low)
     curve = np.polynomial.Polynomial.fit(at, x[near], len(at) - 1)
@@ -188,8 +202,12 @@ def _reduce(quantity: Quantity, result: Result) -> QuantityValue:
     if not np.isfinite(x).all():
         at = float(result.t[np.flatnonzero(~np.isfinite(x))[0]])
         raise InputError(f"{where} {quantity.name} is not a number at t = {at:g} s.")
+    sides = _with_both_sides(result) if quantity.word not in _OF_ENDS else result
+    t, rows = np.unique(sides.instants_of_states, return_index=True)
+    at_sides = sides.series(quantity.name)[0][rows]
+    known = np.isfinite(at_sides)  # it may not be in a singular position, which is an event
     try:
-        value = reduction.reduce(Series(result.t, x, jumps(result)))
+        value = reduction.reduce(Series(t[known], at_sides[known]))
     except InputError as error:
         raise InputError(f"{where} {error}") from None
     return QuantityValue(value + 0.0, reduction.unit.format(unit), float(np.abs(x).max()))

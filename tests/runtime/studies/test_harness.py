@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
 
 from codegen import Model
 from codegen.errors import InputError, LinkwrightError
@@ -16,7 +15,6 @@ from runtime.machine_facade import Machine
 from runtime.studies import harness
 from runtime.studies.effect_ranking import matters
 from runtime.studies.harness import TimeLimit, processor_time, time_runs, time_to_error
-from runtime.studies.quantity import REDUCTIONS, Series
 from runtime.studies.work_precision import accuracy
 
 
@@ -181,18 +179,3 @@ def test_a_library_without_metadata_is_left_out(monkeypatch: pytest.MonkeyPatch)
     facts = harness.environment()
     assert facts["numpy"] == np.__version__
     assert "no-such-library" not in facts
-
-
-def test_reductions_of_a_wave_are_those_of_the_curve() -> None:
-    t = np.linspace(0.0, 10.0, 801)
-    wave = Series(t, 3.0 + 2.0 * np.sin(4.0 * t + 0.3), np.zeros(0))
-    found = {word: how.reduce(wave) for word, how in REDUCTIONS.items()}
-    assert_allclose(found["max"], 5.0, rtol=1e-6)
-    assert_allclose(found["min"], 1.0, rtol=1e-5)
-    assert_allclose(found["range"], 4.0, rtol=1e-5)
-    assert_allclose(found["peak"], 5.0, rtol=1e-6)
-    assert_allclose(found["mean"], 3.0 + (np.cos(0.3) - np.cos(40.3)) / 20.0, rtol=1e-5)
-    assert_allclose(found["period"], np.pi / 2.0, rtol=1e-3)
-    assert_allclose(found["rate"], (wave.x[-1] - wave.x[0]) / 10.0, rtol=1e-12)
-    step = Series(np.array([0.0, 1.0, 1.001, 2.0]), np.array([0.0, 1.0, 4.0, 3.9]), np.array([1.0]))
-    assert REDUCTIONS["max"].reduce(step) == 4.0
