@@ -54,7 +54,7 @@ _WITHIN = 0.99  # measured: part of a zone's reach that lies safely inside
 # measured: of the smallest singular value at the start of a trace; from there on the trace has left
 _REGAINED = 0.3
 _WIDE = 1e-2  # measured: or the singular value from which on it has left
-_FARTHEST = 1.0  # safety: scaled length of a trace
+_FARTHEST = 1.0  # safety: scaled length of the longest trace
 
 
 class Continuation(ContinuationState):

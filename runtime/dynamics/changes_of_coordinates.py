@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from runtime.dynamics.formulations import ReducedCoordinates
 
 _BACK = 0.16  # measured: of the largest ρ²; above it a run returns to reduced coordinates
-_AWAY = 4.0  # measured: steps to the next dead centre, without which it does not return
+_AWAY = 4.0  # measured: fewest steps to the next dead centre with which it returns
 _LOOK_EVERY = 4  # measured: steps in all coordinates between two looks
 _PATIENCE = 16  # safety: steps in all coordinates after reduced equations fail, at first
 _GOING, _LEAVE, _OK = int(Signal.GOING), int(Signal.LEAVE), int(Outcome.OK)

@@ -156,12 +156,12 @@ def scan(
 _MOST_MARKS = 4096  # safety: of one function, in one part of a run
 _WIDE = 1e-6  # safety: of the run; a longer undecided interval holds many instants
 _BLUR = 1e-8  # accuracy: of the run; breaks nearer to each other are one, split by rounding
-_SLOWER = 0.85  # measured: ratio of the ways of marks from doubling to doubling that accumulate
+_SLOWER = 0.85  # measured: ratio of distances between marks, after a doubling, that accumulate
 FAR = 1000.0  # safety: distances of a kink's sides from the kink; so far away a pole does not show
 GROWTH = 300.0  # safety: growth of a value from there to a side of the kink; that of a pole is 1000
-_STEEP = 1e6  # safety: of the typical value of a function; no step goes further into its pole
+_STEEP = 1e6  # safety: times the typical value of a function; no step goes nearer to its pole
 _NEAR_POLE = 0.05  # safety: of the run; a run ends no earlier before a pole
-_STEP = 0.5  # safety: of the change of a place over a thousand times the time; that of a jump is 1
+_STEP = 0.5  # safety: ratio of the changes of a place in a time and in 1000 times it; a jump has 1
 _SEEN = 64  # measured: instants at which the typical value of a function is taken
 
 

@@ -14,7 +14,7 @@ from runtime.integrate.sampling import INTERVAL
 from runtime.integrate.wiring import Wiring, place
 
 _EVENT_ROWS = 64  # layout: events that fit between two returns to Python
-_SINK_BYTES = 2**22  # measured: of samples between two returns to Python, where these go elsewhere
+_SINK_BYTES = 2**22  # measured: bytes of samples between two returns to Python, if there is a sink
 _LEAST_WINDOW = 64  # safety: rows of room for them
 _EVENTS = ("event_times", "event_kinds", "event_states")
 _SAMPLES = ("out_times", "out_states", "out_modes")

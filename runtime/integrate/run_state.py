@@ -21,7 +21,7 @@ from runtime.integrate.step_acceptance import FIRST_LOOK
 from runtime.integrate.wiring import METHOD_SLOTS, function_table, place, wire
 
 _FOLLOWED = 2.0  # measured: of Baumgarte's time; in longer steps the stabilisation oscillates
-_MOST_PATIENCE = 1024  # safety: times the first, before a method is changed
+_MOST_PATIENCE = 1024  # safety: times the first patience, before a method is changed
 _METHOD_NUMBERS = (
     "estimate_order", "last", "stage_calls", "dense_calls", "dense_rows", "foresight", "beta",
     "safety", "shrink", "grow",

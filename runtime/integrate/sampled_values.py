@@ -25,7 +25,7 @@ from runtime.linalg.vectors import copy_vector
 
 _MOST_ROUNDS = 8  # safety: rounds at one instant in which values renew one another
 ENDS, _RECONNECTS = 1, 2  # code: of `ends_run`: a run ends; joints come or go
-_ONE_INSTANT = 1e-8  # accuracy: of the largest |g|; a run does not tell such instants apart
+_ONE_INSTANT = 1e-8  # accuracy: of the largest |g|; a run cannot distinguish such instants
 
 
 @inner

@@ -52,7 +52,7 @@ SPARSE_FROM = 300
 coordinates both take about a millisecond."""
 
 _DAMPING = 1e-12  # accuracy: ε, over the largest squared length of a row; √ε as `LOST`
-_REFINEMENTS = 6  # safety: further steps from the residual
+_REFINEMENTS = 6  # safety: steps of refinement by the residual
 _GAIN = 0.5  # measured: a step that leaves more of the residual is the last
 _ITERATIONS = 30  # safety: steps of inverse iteration
 _SETTLED = 0.01  # measured: relative change of the singular value at the last one

@@ -43,7 +43,7 @@ Kink = tuple[str, str, str]  # element, kind of place, function there
 
 _NEARBY = 1e-5  # safety: scaled motion over which a slope changes much at a kink only
 _TURNED = 0.5  # safety: change of a slope over this motion, in parts of the slope, that is a jump
-_LOOKED = 200  # measured: instants of a motion, at least, between which kinks are looked for
+_LOOKED = 200  # measured: least number of instants of a motion between which kinks are sought
 _POINTS = 17  # measured: instants of a stretch in which a kink is looked for
 _ROUNDS = 16  # safety: number of such stretches, each an eighth of the one before
 _FLAT = 4.0  # safety: ratio of an argument near its least value to it, at which this is resolved

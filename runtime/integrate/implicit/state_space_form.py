@@ -22,7 +22,7 @@ from runtime.core.state_derivative import evaluate_accelerations
 from runtime.integrate.implicit import method_memory as mem
 from runtime.linalg.vectors import axpy, copy_vector, largest_ratio
 
-_POWERS = 8  # safety: iterations of the power method before the mean is taken, and in it
+_POWERS = 8  # safety: iterations of the power method before the mean, and within it
 _QUIET = 0.5  # measured: h ρ with which an explicit method is at ease
 _LONG = 30  # measured: steps at ease until the run returns to it
 
