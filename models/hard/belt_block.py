@@ -16,7 +16,7 @@ creeping
     The same with the law that is made smooth below 1 mm/s, and knows one coefficient only.
 """
 
-from codegen import Model
+from codegen import Model, bar, disc, rectangle
 
 model = Model("belt_block")
 
@@ -26,7 +26,9 @@ kinetic = model.parameter("kinetic", 0.2)
 static = model.parameter("static", 0.3)
 speed = model.parameter("speed", 0.1, unit="m/s")
 
-block = model.body("block", mass=mass, inertia=0.01)
+block = model.body("block", mass=mass, inertia=0.01, draw=rectangle(0.2, 0.12))
+drums = [disc(0.1, (x, -0.18)) for x in (-0.4, 0.6)]
+model.draw_ground([*drums, bar(1, 0.24, (-0.4, -0.18)).with_holes(bar(1, 0.21, (-0.4, -0.18)))])
 anchor = model.ground.at(-1, 0)
 
 model.translational("track", model.ground, block, axis=(1, 0))

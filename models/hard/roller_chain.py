@@ -36,7 +36,7 @@ from math import cos, pi, sin
 from sympy import atan2, exp, sqrt
 from sympy import cos as cosine
 
-from codegen import Model, t
+from codegen import Model, disc, t
 
 PITCH = 0.0254  # m, between the rollers of a chain 16 B
 ROLLER, WHEEL = 0.2, 5.0  # kg
@@ -104,7 +104,12 @@ def roller_chain(rollers: int) -> Model:
     distance, places = layout(rollers)
     wheels = []
     for name, count, x in zip(("driving", "driven"), teeth(rollers), (0.0, distance), strict=True):
-        wheel = model.body(name, mass=WHEEL, inertia=WHEEL * pitch_radius(count) ** 2 / 2)
+        radius = pitch_radius(count)
+        teeth_drawn = [
+            (r * cos(k * pi / count), r * sin(k * pi / count))
+            for k in range(2 * count) for r in (radius - TOOTH * (1 - k % 2),)
+        ]  # fmt: skip
+        wheel = model.body(name, WHEEL, WHEEL * radius**2 / 2, draw=teeth_drawn)
         model.revolute(f"axle_{name}", model.ground.at(x, 0), wheel.at(0, 0))
         wheels.append((wheel, count, x))
     driving, driven = wheels[0][0], wheels[1][0]
@@ -112,7 +117,7 @@ def roller_chain(rollers: int) -> Model:
     effects = ["brake"]
     model.torque("brake", on=driven, value=-brake * driven.omega)
     guess = {driven.x: distance}
-    chain = [model.particle(f"roller_{k}", mass=ROLLER) for k in range(rollers)]
+    chain = [model.particle(f"roller_{k}", ROLLER, draw=disc(TOOTH)) for k in range(rollers)]
     for k, (roller, (x, y)) in enumerate(zip(chain, places, strict=True)):
         model.distance(f"link_{k}", chain[k - 1], roller, PITCH)
         guess |= {roller.x: x, roller.y: y}
