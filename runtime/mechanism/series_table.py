@@ -46,8 +46,8 @@ class Series(NamedTuple):
     name: str  # its own
     # "coordinate", "velocity", "acceleration", "state", "rate of state", "reaction", "effect",
     # "point", "energy", "power", "nonconservative power", or "work", which results of simulations
-    # alone have; "bookkeeping": the integral of a state, the rate of a sampled value; or the "mode"
-    # or "share" of a condition
+    # alone have; "bookkeeping": the integral of a state, the rate of a sampled value; a "residual";
+    # or the "mode" or "share" of a condition
     kind: str
     array: str  # field of `Samples`, or "works"
     column: int  # of the array, (k, …); of a work that of its power; -1: the sum of all columns
@@ -55,6 +55,13 @@ class Series(NamedTuple):
     element: str  # body, state, joint, driver or effect to which it belongs; empty of energies
     component: str = ""  # of an element's reaction, or of an effect's quantity, as "fx", "x"
     quantity: str = ""  # of these the one of QUANTITIES of which it is a component; empty of others
+
+    @property
+    def heading(self) -> str:
+        """The name of its column in a table."""
+        if self.kind == "energy":
+            return f"{self.name} energy"
+        return f"{self.kind}({self.name})" if self.kind.endswith("power") else self.name
 
 
 def quantity_of(row: ReactionRow) -> str:
@@ -74,8 +81,8 @@ class SeriesTable:
         self.description, self.title = description, description.title
         found = [*_motion(description), *_exerted(description), *_energetic(description)]
         self.rows = tuple(row for row, _ in found)
-        found += _conditions(description)
-        self._every = [row for row, _ in found]  # those of conditions, too
+        found += [*_residuals(), *_conditions(description)]
+        self._every = [row for row, _ in found]  # those of residuals and conditions, too
         # several calls may mean one series; the first says best what it is
         self._by_call = {call: row for row, calls in found for call in calls}
 
@@ -88,9 +95,10 @@ class SeriesTable:
 
     @cached_property
     def _by_name(self) -> dict[str, Series]:
-        """Series by their own names; a source of power bears the name of nothing else."""
+        """Series by the names of columns and their own; a source of power has no other's name."""
+        named = {row.heading: row for row in self._every if row.kind not in ("mode", "share")}
         rows = [row for row in reversed(self.rows) if row.kind != "nonconservative power"]
-        return {row.name: row for row in sorted(rows, key=lambda row: row.kind != "power")}
+        return named | {row.name: row for row in sorted(rows, key=lambda row: row.kind != "power")}
 
     def get(self, name: str) -> Series | None:
         """The series of any name; None where the scene has none of it."""
@@ -102,10 +110,13 @@ class SeriesTable:
         row, (word, of, _) = self.get(name), self._call_of(name)
         if row is not None:
             return row
-        if word in (*QUANTITIES, "power", "work") or name in ENERGIES:
+        if word in (*QUANTITIES, "power", "work") or (word == "energy" and of in ENERGIES):
             raise self._refusal(word, of, "")
         text = f"{self.title}: {self.unknown(name)}"
-        owner = name.partition(".")[0]
+        owner, _, part = name.partition(".")
+        for output in ("point", "reaction"):
+            if isinstance(refusal := self._refusal(output, owner, part), UnnamedOutputError):
+                raise refusal
         raise (UnnamedOutputError if owner in self._quiet else UnknownNameError)(text)
 
     @property
@@ -130,7 +141,7 @@ class SeriesTable:
             return word, rest[:-1], ""
         element, _, quantity = name.partition(".")
         known = element in self.description.effects.names
-        return (quantity, element, "") if known else ("energy", name, "")
+        return (quantity, element, "") if known else ("energy", name.removesuffix(" energy"), "")
 
     def unknown(self, name: str) -> str:
         """Sentences saying that a series does not exist: the nearest names; without any, all."""
@@ -258,6 +269,12 @@ def _energetic(description: "Description") -> Found:
     if description.has_masses and "energy" in description.asked:
         for part, column in zip(ENERGIES, (0, 1, -1), strict=True):
             yield Series(part, "energy", "energy", column, "J", ""), [("energy", part, "")]
+
+
+def _residuals() -> Found:
+    """Residuals of constraints and of their rates, which have no unit."""
+    for column, word in enumerate(("constraint", "velocity")):
+        yield Series(f"{word} residual", "residual", "residual", column, "", ""), []
 
 
 def _conditions(description: "Description") -> Found:

@@ -87,17 +87,11 @@ def save(result: Result, path: Path) -> Path:
 def columns(result: Result) -> Iterator[tuple[str, str, FloatArray]]:
     """The result as columns over time, (k,): name, unit (residuals have none) and values."""
     yield "time", "s", result.t
-    for row in result.description.series:
+    series = result.description.series
+    for row in (*series, *series.of_kind("residual")):
         known = row.kind != "work" or row.element in result.works
-        if known and row.kind not in ("bookkeeping", "rate of state", "energy"):
-            name = f"{row.kind}({row.name})" if row.kind.endswith("power") else row.name
-            yield name, row.unit, result.column(row)
-    energy, residual = result.samples.energy.T, result.samples.residual.T
-    if result.description.has_masses:  # not a number where the scene leaves them out
-        yield "kinetic energy", "J", energy[0]
-        yield "potential energy", "J", energy[1]
-    yield "constraint residual", "", residual[0]
-    yield "velocity residual", "", residual[1]
+        if known and row.kind not in ("bookkeeping", "rate of state"):
+            yield row.heading, row.unit, result.column(row)
 
 
 def table(result: Result) -> dict[str, FloatArray]:

@@ -193,8 +193,9 @@ class TimeSeries:
         ----------
         name
             Of a coordinate, a velocity, a state, `a(coordinate)`, `a(state)`, `joint.component`,
-            `point.x`, an energy, the power of a source, or `work(source)`; of an effect
-            `strut.force` or `force(strut)`, and so on for lengths, rates and the like.
+            `point.x`, `kinetic energy`, `power(source)`, `work(source)`, or another column of
+            `to_pandas`; of an effect `strut.force` or `force(strut)`, and so on for lengths, rates
+            and the like.
 
         Returns
         -------
@@ -245,7 +246,7 @@ class TimeSeries:
         if not converts(row.unit, unit):
             raise InputError(
                 f"{self.description.title}: {row.name} is in {row.unit or 'no unit'}, which does "
-                f"not convert to {shown(unit)}; ask for a unit of its dimension (of rad/s, rpm or "
-                "deg/s, and not Hz)."
+                f"not convert to {shown(unit)}; ask for a unit of its dimension"
+                f"{' (rpm or deg/s, and not Hz)' if row.unit == 'rad/s' else ''}."
             )
         return np.asarray(converted(values, row.unit, unit)), unit

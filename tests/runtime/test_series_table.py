@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 from codegen import Model
 from codegen.declare.element import QUANTITIES
@@ -58,6 +59,8 @@ def result(machine: Machine) -> Result:
         ("tip.vx", "tip.vx", "point", "m/s", lambda r: r.point("tip", "vx")),
         ("kinetic", "kinetic", "energy", "J", lambda r: r.energy("kinetic")),
         ("total", "total", "energy", "J", lambda r: r.energy()),
+        ("kinetic energy", "kinetic", "energy", "J", lambda r: r.energy("kinetic")),
+        ("velocity residual", "velocity residual", "residual", "", None),
         ("strut", "strut", "power", "W", lambda r: r.power("strut")),
         ("power(gravity)", "gravity", "power", "W", lambda r: r.power("gravity")),
         ("work(motor)", "work(motor)", "work", "J", lambda r: r.work("motor")),
@@ -72,6 +75,21 @@ def test_a_name_finds_its_column(
     assert found == unit
     assert np.isfinite(values).all()
     assert method is None or (values == method(result)).all()  # type: ignore[operator]
+
+
+def test_every_column_of_a_table_is_a_series(result: Result) -> None:
+    table = result.to_pandas()
+    assert {"nonconservative power(strut)", "total energy", "constraint residual"} <= {*table}
+    for name in table:
+        values, unit = result.series(name)
+        assert_array_equal(values, table[name])
+        assert unit == table.attrs["units"][name]
+
+
+def test_advice_on_frequencies_is_for_speeds(result: Result) -> None:
+    for series, advice in (("bob.omega", r" \(rpm or deg/s, and not Hz\)"), ("bob.x", "")):
+        with pytest.raises(InputError, match=rf"ask for a unit of its dimension{advice}\."):
+            result.v(series, "Hz") if advice else result.q(series, "Hz")
 
 
 @pytest.mark.parametrize(
@@ -98,7 +116,10 @@ def test_a_scene_has_no_series_of_what_it_leaves_out(machine: Machine, workshop:
     assert machine.mechanism.origin is not None
     bare = load(machine.mechanism.origin.model, "bare", folder=workshop).description.series
     assert bare.of_kind("energy", "reaction") == []
-    for name, output in (("total", "energy"), ("reaction", "reaction")):
+    for name, output in (
+        ("total", "energy"), ("kinetic energy", "energy"), ("reaction", "reaction"),
+        ("hinge.fx", r"reaction\(hinge\)"), ("tip.y", r"point\(tip\)"),
+    ):  # fmt: skip
         with pytest.raises(InputError, match=f"does not compute {output}"):
             bare.call("reaction", "hinge", "fx") if name == "reaction" else bare.find(name)
 
