@@ -37,6 +37,7 @@ class ConditionRow(NamedTuple):
     open: bool  # whether the least value itself is too small
     high: float | None  # largest value; None: none
     shown: int
+    bulges: tuple[tuple[float, ...], ...] = ()  # of an outline, whose vertices are the numbers
 
 
 class ProfileRow(NamedTuple):
@@ -56,6 +57,12 @@ def violated_conditions(
     for row in rows:
         values = [float(number) for number in numbers[first : first + row.shown]]
         first += row.shown
+        if row.bulges:
+            from codegen.drawing.plane_geometry import area_problem  # few scenes need it
+
+            if problem := area_problem(row.bulges, values):
+                yield f"{row.element}: {problem}"
+            continue
         value = values[0]
         enough = row.low is None or value > row.low or (value == row.low and not row.open)
         if not (enough and (row.high is None or value <= row.high)):

@@ -11,8 +11,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import sympy
 
-from codegen.declare.outlines import Corner, Defaults, Outline, flattened, library, numbers_of
-from codegen.drawing.plane_geometry import pairs
+from codegen.declare.element_fields import Condition
+from codegen.declare.outlines import Defaults, Outline
+from codegen.drawing.plane_geometry import Corner
+from codegen.readers.expressions import plain_expression
 from codegen.readers.values import plain_float
 
 DIGITS = 60  # accuracy: flat arcs lose three digits of these for each one of their bulge
@@ -27,22 +29,11 @@ class Area(NamedTuple):
     polar: sympy.Expr
 
 
-def outline_problem(outline: Outline, defaults: Defaults) -> str | None:
-    """Why an outline bounds no area, or a hole is none in it, for the values of parameters."""
-    shapely = library("shapely")
-    shell, *holes = (
-        flattened(tuple(map(tuple, pairs(numbers_of(one.vertices, defaults)).tolist())), one.bulges)
-        for one in (outline, *outline.holes)
-    )
-    why = shapely.is_valid_reason(shapely.Polygon(shell, holes))
-    if why == "Valid Geometry":
-        return None
-    place = ", ".join(f"{float(x):.4g}" for x in why.partition("[")[2].rstrip("]").split())
-    whole, *inner = map(shapely.Polygon, (shell, *holes))
-    fits = [hole.is_valid and whole.is_valid and whole.contains_properly(hole) for hole in inner]
-    what = "two holes meet" if all(fits) else f"hole {fits.index(False) + 1} is not within it"
-    what = what if whole.is_valid else "its line crosses itself or bounds no area"
-    return f"{what} at ({place}) m; give lines round areas that do not cross."
+def area_condition(outline: Outline) -> Condition:
+    """That an outline bounds an area, and its holes are holes in it."""
+    loops = (outline, *outline.holes)
+    numbers = tuple(plain_expression(e) for one in loops for xy in one.vertices for e in xy)
+    return Condition("", numbers, low=None, bulges=tuple(one.bulges for one in loops))
 
 
 def area_properties(outline: Outline, defaults: Defaults) -> Area:

@@ -53,6 +53,8 @@ class Body(Pose):
         Closed polygons of points (x', y'), m, that draw the body; empty: joints determine them.
     center
         The centre of mass in the axes of the drawing, m; (0, 0) without an outline.
+    conditions
+        What is asked of its outline's parameters.
     fixed, turns
         Whether the body is the ground, and whether it has an orientation.
     """
@@ -63,6 +65,7 @@ class Body(Pose):
     model: object
     outlines: tuple[tuple[tuple[Any, Any], ...], ...] = field(default=(), kw_only=True)
     center: tuple[Any, Any] = field(default=(0, 0), kw_only=True)
+    conditions: tuple[Any, ...] = field(default=(), kw_only=True)
     fixed: ClassVar[bool] = False
     turns: ClassVar[bool] = True
 

@@ -39,7 +39,8 @@ ROUNDING = 1e-12
 class Condition:
     """low ≤ the first of `numbers` ≤ high, or low < it where that end is open.
 
-    The sentence takes the numbers as arguments of `str.format`.
+    The sentence takes the numbers as arguments of `str.format`. With `bulges` the numbers are
+    vertices of an outline, which has to bound an area.
     """
 
     sentence: str
@@ -47,11 +48,12 @@ class Condition:
     low: float | None = 0.0
     open: bool = False
     high: float | None = None
+    bulges: tuple[tuple[float, ...], ...] = ()
 
     @property
     def known(self) -> bool:
         """Whether no parameter changes what is bounded."""
-        return bool(self.numbers[0].is_number)
+        return all(number.is_number for number in self.numbers)
 
     @property
     def varies(self) -> bool:
@@ -62,7 +64,8 @@ class Condition:
 
     def row(self, where: str) -> ConditionRow:
         """The condition without its expressions."""
-        return ConditionRow(where, self.sentence, self.low, self.open, self.high, len(self.numbers))
+        one, count = self, len(self.numbers)
+        return ConditionRow(where, one.sentence, one.low, one.open, one.high, count, one.bulges)
 
     def problems(self, where: str, values: Numbers) -> Iterator[str]:
         """The sentence, where the condition is broken for these values of parameters."""

@@ -5,14 +5,14 @@ the outline, and the others are its holes.
 """
 
 from collections.abc import Callable, Iterable, Iterator
-from math import pi, radians, tan
+from math import hypot, pi, radians, tan
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from codegen.declare.outlines import Outline, flattened, library, numbers_of
-from codegen.drawing.plane_geometry import Points, area, pairs
+from codegen.declare.outlines import Outline, numbers_of
+from codegen.drawing.plane_geometry import Points, area, flattened, library, pairs
 from codegen.errors import ModelError
 from codegen.readers.calls import declaring
 from codegen.readers.quantities import UnitError, converted, finite_in_unit
@@ -121,9 +121,10 @@ def _loops(name: str, strands: list[Strand], scale: float, gap: float) -> Iterat
         first, last = scale * points[0], scale * points[-1]
         if abs(last - first) > scale * gap:
             raise ModelError(
-                f"{name} has an open contour, from ({first.real:.6g}, {first.imag:.6g}) m to "
-                f"({last.real:.6g}, {last.imag:.6g}) m, whose ends are {abs(last - first):.6g} m "
-                "apart; close it, or name by layer= what draws the outline alone."
+                f"{name} has a line or contour that is open, from ({first.real:.6g}, "
+                f"{first.imag:.6g}) m to ({last.real:.6g}, {last.imag:.6g}) m, whose ends are "
+                f"{abs(last - first):.6g} m apart; close it, take construction lines away, or name "
+                "by layer= what draws the outline alone."
             )
         yield Strand(points, bulges)
 
@@ -156,6 +157,13 @@ def _of_dxf(path: Path, layer: str | None) -> tuple[list[Strand], float | None]:
             hint = nearest(layer, names)
             raise ModelError(f"{path.name} draws nothing on layer {shown(layer)}; {hint}")
     library("ezdxf.upright").upright_all(flat)
+    for one in flat:
+        x, y, z = one.dxf.get("extrusion", (0.0, 0.0, 1.0))
+        if hypot(x, y) > GAP * z and one.dxftype() not in ("LINE", "SPLINE"):  # these are in space
+            raise ModelError(
+                f"{path.name}, layer {shown(one.dxf.layer)}: a {one.dxftype()} has the normal "
+                f"({x:g}, {y:g}, {z:g}); draw it in the x-y plane, or leave it out by layer=."
+            )
     distance = FLAT * library("ezdxf.bbox").extents(flat).size.magnitude if flat else 0.0
     unit = units.conversion_factor(document.units, units.M) if document.units else None
     return [_DXF[one.dxftype()](one, distance) for one in flat], unit

@@ -5,38 +5,22 @@ line, 1 of a half circle that lies to the right of the way along its chord.
 """
 
 from collections.abc import Mapping
-from importlib import import_module
-from importlib.util import find_spec
-from math import atan, ceil, cos, pi, sin
+from math import cos, pi, sin
 from typing import Any, Self
 
 import numpy as np
 import sympy
 
 from codegen.declare.body import expressions_in
-from codegen.drawing.plane_geometry import Points, area
-from codegen.errors import InputError, ModelError
+from codegen.drawing.plane_geometry import CORNERS, Corner, Points, area, flattened
+from codegen.errors import ModelError
 from codegen.readers.calls import declaring
 from codegen.readers.expressions import plain_expression
 from codegen.readers.quantities import in_unit
 from codegen.readers.values import KindError, members, plain_float, shown
 
-CORNERS = 48  # layout: of the polygon that is drawn for a disc
 FEWEST = 3  # formula: corners of a polygon
-Corner = tuple[Any, Any]  # (x', y') in m, numbers and expressions of parameters
 Defaults = Mapping[sympy.Symbol, float]
-
-
-def library(name: str) -> Any:
-    """A module of the extra `shapes`; InputError where it is not installed."""
-    try:
-        return import_module(name)
-    except ImportError as error:
-        missing = [one for one in ("ezdxf", "shapely", "svgelements") if find_spec(one) is None]
-        raise InputError(
-            f"Outlines need {', '.join(missing or [name])}, which cannot be imported ({error}). "
-            "Run pip install 'linkwright[shapes]', in the checkout pip install '.[shapes]'."
-        ) from error
 
 
 class Outline(tuple[Corner, ...]):
@@ -67,20 +51,6 @@ class Outline(tuple[Corner, ...]):
         """The same outline with more holes: outlines, or lists of corners."""
         made = tuple(one if isinstance(one, Outline) else polygon(one) for one in holes)
         return Outline(self.vertices, self.bulges, holes=(*self.holes, *made), drawn=tuple(self))
-
-
-def flattened(vertices: tuple[Corner, ...], bulges: tuple[float, ...]) -> tuple[Corner, ...]:
-    """The vertices, and points between them on arcs."""
-    points: list[Corner] = []
-    for (x, y), end, bulge in zip(vertices, vertices[1:] + vertices[:1], bulges, strict=True):
-        dx, dy, half = end[0] - x, end[1] - y, -2.0 * atan(bulge)
-        parts = ceil(abs(half) / pi * CORNERS - 1e-9) or 1
-        points.append((x, y))
-        for k in range(1, parts):
-            size, turn = sin(half * k / parts) / sin(half), half * (1 - k / parts)
-            u, v = size * cos(turn), size * sin(turn)  # along the chord, and to its left
-            points.append((x + u * dx - v * dy, y + u * dy + v * dx))
-    return tuple(points)
 
 
 def numbers_of(corners: tuple[Corner, ...], defaults: Defaults) -> Points:

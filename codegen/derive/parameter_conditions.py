@@ -1,7 +1,7 @@
 """Conditions of a scene on its parameters: those of its elements, tables' ranges, cams' shapes."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass, is_dataclass, replace
 from typing import NamedTuple, cast
 
 import numpy as np
@@ -64,7 +64,7 @@ def expressions_in(part: object) -> Iterator[sympy.Basic]:
 
 
 def element_conditions(element: Element, bodies: Bodies) -> list[ElementCondition]:
-    """All conditions of an element that acts, on numbers as on parameters."""
+    """All conditions of an element that acts, and of the outlines of its bodies."""
     conditions = list(conditions_of(element))
     parts: object
     if isinstance(element, Constraint):
@@ -76,7 +76,9 @@ def element_conditions(element: Element, bodies: Bodies) -> list[ElementConditio
         parts = terms
     lookups = {node for e in expressions_in(parts) for node in e.atoms(Interpolant)}
     conditions += _ranges(sorted(lookups, key=str))
-    return [ElementCondition(label(element), c) for c in conditions if not c.varies]
+    own = [ElementCondition(label(element), c) for c in conditions if not c.varies]
+    outlines = ((b, c) for b in element.bodies for c in b.conditions if not c.known)
+    return own + [ElementCondition(f"{label(b)}: outline", c) for b, c in outlines]
 
 
 def _ranges(lookups: list[Interpolant]) -> Iterator[Condition]:
@@ -146,9 +148,7 @@ def carried(
     for one in conditions:
         condition = one.condition
         numbers = tuple(number.subs(fixed) for number in condition.numbers)
-        bound = Condition(
-            condition.sentence, numbers, condition.low, condition.open, condition.high
-        )
+        bound = replace(condition, numbers=numbers)
         if not bound.known and not bound.follows_from(declared):
             kept[one.element, bound] = ElementCondition(one.element, bound)
     return tuple(kept.values())

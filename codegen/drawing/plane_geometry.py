@@ -1,14 +1,22 @@
 """Plane geometry in complex numbers: a point is x + iy in m, a direction has the length 1."""
 
+from collections.abc import Iterator, Sequence
+from importlib import import_module
+from itertools import islice
+from math import atan, ceil, cos, pi, sin
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from codegen.errors import InputError
+
+Corner = tuple[Any, Any]  # (x', y') in m, numbers and expressions of parameters
 FloatArray = npt.NDArray[np.float64]
 Points = npt.NDArray[np.complexfloating[Any, Any]]
 """Points (k,) of a polyline or polygon, m."""
 
+CORNERS = 48  # layout: of the polygon that is drawn for a disc
 ROUND = 32  # layout: corners of a full circle; of rounded corners three times as many
 HEAD = 0.36  # layout: half width of an arrow's head over its length
 _ON_LINE = 1e-6  # accuracy: of a stroke's place, in spacings
@@ -166,3 +174,47 @@ def hatching(start: complex, end: complex, side: float, spacing: float) -> list[
     if not len(marks):
         marks = np.array([last])
     return [np.array([foot, foot + lean]) for foot in start + (marks - first) * spacing * along]
+
+
+def library(name: str) -> Any:
+    """A module of the extra `shapes`; InputError where it is not installed."""
+    try:
+        return import_module(name)
+    except ImportError as error:
+        raise InputError(
+            f"Outlines need {name}, which cannot be imported ({error}). "
+            "Run pip install 'linkwright[shapes]', in the checkout pip install '.[shapes]'."
+        ) from error
+
+
+def flattened(vertices: tuple[Corner, ...], bulges: tuple[float, ...]) -> tuple[Corner, ...]:
+    """The vertices, and points between them on arcs."""
+    points: list[Corner] = []
+    for (x, y), end, bulge in zip(vertices, vertices[1:] + vertices[:1], bulges, strict=True):
+        dx, dy, half = end[0] - x, end[1] - y, -2.0 * atan(bulge)
+        parts = ceil(abs(half) / pi * CORNERS - 1e-9) or 1
+        points.append((x, y))
+        for k in range(1, parts):
+            size, turn = sin(half * k / parts) / sin(half), half * (1 - k / parts)
+            u, v = size * cos(turn), size * sin(turn)  # along the chord, and to its left
+            points.append((x + u * dx - v * dy, y + u * dy + v * dx))
+    return tuple(points)
+
+
+def area_problem(bulges: Sequence[tuple[float, ...]], numbers: Any) -> str | None:
+    """Why an outline bounds no area, or a hole is none in it; None where all is well.
+
+    Rows of `bulges` are the outline and its holes, `numbers` x and y of all vertices in turn.
+    """
+    shapely = library("shapely")
+    places: Iterator[Any] = iter(np.reshape(numbers, (-1, 2)).tolist())
+    shell, *holes = (flattened(tuple(islice(places, len(one))), one) for one in bulges)
+    why = shapely.is_valid_reason(shapely.Polygon(shell, holes))
+    if why == "Valid Geometry":
+        return None
+    place = ", ".join(f"{float(x):.4g}" for x in why.partition("[")[2].rstrip("]").split())
+    whole, *inner = map(shapely.Polygon, (shell, *holes))
+    fits = [hole.is_valid and whole.is_valid and whole.contains_properly(hole) for hole in inner]
+    what = "two holes meet" if all(fits) else f"hole {fits.index(False) + 1} is not within it"
+    what = what if whole.is_valid else "its line crosses itself or bounds no area"
+    return f"{what} at ({place}) m; give lines round areas that do not cross."

@@ -254,7 +254,10 @@ def describe(
         time_functions=time_programs(equations),
         table_ranges=range_programs(equations),
         peaks=tuple((*peak[:3], *peak.place) for peak in peaks),
-        conditions=tuple((*one.condition.row(one.element),) for one in equations.conditions),
+        conditions=tuple(
+            (*row[:6], *filter(None, row[6:]))
+            for row in (one.condition.row(one.element) for one in equations.conditions)
+        ),
         profiles=tuple((*one.row[:2], *filter(None, one.row[2:])) for one in equations.profiles),
         states=tuple(
             (s.name, scene.columns[s.integral], s.unit, s.nominal) for s in equations.states

@@ -11,12 +11,13 @@ from typing import Any, Literal
 import numpy as np
 import sympy
 
-from codegen.declare.area_properties import area_properties, outline_problem
+from codegen.declare.area_properties import area_condition, area_properties
 from codegen.declare.body import Body, Particle, Point
 from codegen.declare.outline_files import read_outline
-from codegen.declare.outlines import FEWEST, Corner, Outline, polygon, polygon_with_holes
+from codegen.declare.outlines import FEWEST, Outline, polygon, polygon_with_holes
 from codegen.declare.symbols import Parameter
 from codegen.declare.value_reader import Reader
+from codegen.drawing.plane_geometry import Corner
 from codegen.errors import ModelError
 from codegen.model.base import Place
 from codegen.model.constraints import Constraints
@@ -88,7 +89,8 @@ class MovingBodies(Constraints):
         cx, cy = plate.center
         polygons = polygons or (polygon_with_holes(read, self.defaults),)
         moved = tuple(tuple((x - cx, y - cy) for x, y in one) for one in polygons)
-        body = Body(name, m, j, self.token, outlines=moved, center=(cx, cy))
+        asked = (area_condition(read),)
+        body = Body(name, m, j, self.token, outlines=moved, center=(cx, cy), conditions=asked)
         return self._declare(body)
 
     def particle(self, name: str, mass: Any = None, *, draw: Any = None) -> Particle:
@@ -218,8 +220,8 @@ class MovingBodies(Constraints):
             self._read.problems += [f"{where}: {problem}" for problem in error.problems]
             return None
         self._corners([one.vertices for one in (whole, *whole.holes)], where)
-        if len(self.problems) == before and (problem := outline_problem(whole, self.defaults)):
-            self._read.note(f"{where}: {problem}")
+        if len(self.problems) == before:
+            self._read.problems += area_condition(whole).problems(where, self.defaults)
         return whole if len(self.problems) == before else None
 
     def _positive(self, value: Any, unit: str, where: str) -> sympy.Expr | None:

@@ -179,13 +179,14 @@ def prepare(
 
     `given` are options of `simulate`. None where runs of this scene need more than the compiled
     loop: guesses, functions of time, sampled values, conditions that are watched, rigid contacts,
-    friction that sticks, works, redundant constraints, or many coordinates.
+    friction that sticks, works, redundant constraints, outlines with parameters, or many
+    coordinates.
     """
     description, system = mechanism.description, mechanism.system
     beyond = (
         description.time_functions, description.sampled, description.watched, description.profiles,
         description.work_rows, system.rigid, system.sticking, system.one_way, system.shares,
-        system.stiction, members.guesses,
+        system.stiction, members.guesses, [row for row in description.conditions if row.bulges],
     )  # fmt: skip
     n = len(description.coordinates)
     if any(map(len, beyond)) or n >= SPARSE_FROM or len(description.constraints) > n:

@@ -9,7 +9,7 @@ import ezdxf
 import pytest
 
 from codegen import InputError, ModelError, read_outline
-from codegen.declare.area_properties import area_properties, outline_problem
+from codegen.declare.area_properties import area_condition, area_properties
 from codegen.reading.model_file import read_model
 from tests.codegen.workbench import write_model
 
@@ -17,7 +17,7 @@ AREA = 0.3 * 0.04 + pi * 0.02**2 - pi * 0.01**2 - (0.05 * 0.01 + pi * 0.005**2)
 
 
 def size(outline: Any) -> float:
-    assert outline_problem(outline, {}) is None
+    assert not [*area_condition(outline).problems("", {})]
     return float(area_properties(outline, {}).size)
 
 
@@ -77,7 +77,7 @@ def test_splines_and_ellipses_are_flattened(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("layer", "gap", "word"),
     [
-        (None, 0.0, r"open contour, from \(.*\) m, whose ends are 0.4 m apart; close it, or name"),
+        (None, 0.0, r"is open, from \(.*\) m, whose ends are 0.4 m apart; close it, take constr"),
         ("cut", 0.5, "whose ends are 0.0005 m apart"),
         ("cutt", 0.0, "draws nothing on layer 'cutt'; did you mean 'cut'"),
     ],
@@ -92,6 +92,23 @@ SVG = """<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="40mm" v
 <g id="layer1" inkscape:label="part" transform="translate(10,10)">
 <rect width="100" height="40" rx="5"/><circle cx="20" cy="20" r="6"/></g>
 <path id="curved" d="M 0 0 C 0 10 20 10 20 0 Z"/></svg>"""
+
+
+def test_a_construction_line_across_an_outline(tmp_path: Path) -> None:
+    document = ezdxf.new()
+    document.modelspace().add_lwpolyline([(0, 0), (4, 0), (4, 3), (0, 3)], close=True)
+    document.modelspace().add_line((0, 0), (4, 3))
+    document.saveas(tmp_path / "crossed.dxf")
+    with pytest.raises(ModelError, match="5 m apart; close it, take construction lines away"):
+        read_outline(tmp_path / "crossed.dxf", unit="m")
+
+
+def test_a_circle_in_another_plane(tmp_path: Path) -> None:
+    document = ezdxf.new()
+    document.modelspace().add_circle((0, 0), 2, {"extrusion": (1, 0, 0), "layer": "cut"})
+    document.saveas(tmp_path / "side.dxf")
+    with pytest.raises(ModelError, match=r"layer .cut.: a CIRCLE has the normal \(1, 0, 0\)"):
+        read_outline(tmp_path / "side.dxf", unit="m")
 
 
 def test_svg_in_mm_with_y_upwards(tmp_path: Path) -> None:

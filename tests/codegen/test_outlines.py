@@ -10,8 +10,19 @@ import pytest
 import sympy
 from numpy.testing import assert_allclose
 
-from codegen import Body, Model, ModelError, Outline, alpha, bar, disc, read_outline, rectangle
-from codegen.declare.area_properties import area_properties, outline_problem
+from codegen import (
+    Body,
+    Model,
+    ModelError,
+    Outline,
+    ParameterError,
+    alpha,
+    bar,
+    disc,
+    read_outline,
+    rectangle,
+)
+from codegen.declare.area_properties import area_condition, area_properties
 from codegen.picture_at_start import declared_picture
 from codegen.reference import pages
 from runtime import load
@@ -22,7 +33,7 @@ L, W = 0.3, 0.04
 
 
 def numbers(outline: Outline) -> list[float]:
-    assert outline_problem(outline, {}) is None
+    assert not [*area_condition(outline).problems("", {})]
     size, (x, y), polar = area_properties(outline, {})
     return [float(e) for e in (size, x, y, polar)]
 
@@ -106,6 +117,26 @@ def test_parameters_remain() -> None:
     assert sympy.simplify(triangle.center[0] - a / 3) == 0
     assert_allclose(float(triangle.inertia.subs({a: 3, w: 2})), 2 * 13 / 18, rtol=1e-14)
     assert not model.problems
+
+
+def test_a_run_with_a_hole_outside_of_its_outline_is_refused(tmp_path: Path) -> None:
+    model = Model("plate", gravity=(0, -9.81))
+    a, h = model.parameter("a", L, unit="m"), model.parameter("h", 0.1, unit="m")
+    plate = bar(a, W).with_holes(disc(0.01, (h, 0)))
+    link = model.body("link", outline=plate, thickness=THICKNESS, density=DENSITY)
+    model.revolute("hinge", model.ground.at(0, 0), link.at(0, 0))
+    model.scene("free", effects=["gravity"])
+    model.scene("other", effects=["gravity"], parameters={"h": 0.5})
+    machine = load(model, scene="free", folder=tmp_path)
+    text = "body 'link': outline: hole 1 is not within it at (0.51, 0) m; give lines round"
+    with pytest.raises(ParameterError, match=re.escape(text)):
+        machine.simulate(0.1, parameters={"h": 0.5})
+    with pytest.raises(ParameterError, match="crosses itself or bounds no area"):
+        machine.simulate(0.1, parameters={"a": -0.01})
+    with pytest.raises(ModelError, match=re.escape(text)):
+        load(model, scene="other", folder=tmp_path)
+    runs = machine.ensemble(0.01, parameters={"h": [0.1, 0.2, 0.5]})
+    assert list(runs.outcome.values) == ["OK", "OK", "ParameterError"]
 
 
 @pytest.mark.parametrize(
