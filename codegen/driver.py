@@ -4,7 +4,7 @@ read      model file            → Model                   (codegen.reading.mod
 check     Model, Scene          → problems, all at once   (codegen.check.declaration)
 derive    Model, Scene          → Equations               (codegen.derive)
 lower     Equations             → Lowered program         (codegen.lower)
-examine   Equations, Lowered    → redundant constraints   (codegen.check.kinematics)
+examine   the above             → redundant constraints   (codegen.check.kinematics)
 emit      Lowered               → text                    (codegen.emit)
 accompany Lowered               → text of derivatives, of reduced equations
                                      (codegen.generated_files.companions), if asked for
@@ -216,7 +216,7 @@ def translate(model: Model, scene: Scene, clock: Clock) -> tuple[Equations, Lowe
             lowered = lower(equations)
         stage = "examine"
         with clock(stage):
-            findings = examine(equations, lowered)
+            findings = examine(model, equations, lowered)
     except LinkwrightError:
         raise
     except Exception as error:

@@ -9,6 +9,7 @@ a linkage does not close or has a freedom too many, they are often a point with 
 joint that was forgotten.
 """
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -26,6 +27,7 @@ Array = npt.NDArray[np.float64]
 TOLERANCE = 1e-8
 # safety: positions about the start that are tried, so that a singular start is not redundancy
 PROBES = 3
+FREEDOMS = 3  # formula: of a body
 
 
 class Findings(NamedTuple):
@@ -44,7 +46,7 @@ class Findings(NamedTuple):
         return self.coordinates - self.constraints + self.redundant
 
 
-def examine(equations: Equations, lowered: Lowered) -> Findings:
+def examine(model: Model, equations: Equations, lowered: Lowered) -> Findings:
     """Look for constraints that are too many near the start values."""
     rows = [(c, row) for c in equations.constraints for row in c.statement.rows]
     dependent = [rows[i] for i in _least_dependent(Poses(lowered))] if rows else []
@@ -60,7 +62,13 @@ def examine(equations: Equations, lowered: Lowered) -> Findings:
     drivers = {c.name for c, _ in dependent if c.driver}
     names = " or ".join(map(repr, sorted(drivers or {c.name for c, _ in dependent})))
     if drivers:
+        pairs = {name: frozenset(joint.bodies) for name, joint in model.joints.items()}
+        held = Counter(pairs[c.name] for c, _ in rows if c.name in pairs)
+        twice = (c.name for c, _ in rows if c.name in pairs and held[pairs[c.name]] > FREEDOMS)
+        both = " and ".join(dict.fromkeys(twice))
         problem = f"{head} Remove or relax {names}: no motion is left for them to prevent."
+        if both:
+            problem = f"{head} Joints {both} hold the same bodies: remove one of them."
         return found._replace(problems=(problem,))
     note = (
         f"{head} The scene runs as long as its parameters let them agree, at some cost, and "

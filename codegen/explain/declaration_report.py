@@ -50,6 +50,7 @@ class SceneFacts:
     problem: str  # why the scene does not assemble
     left_out: tuple[str, ...]  # elements that have no share in the scene
     unused_parameters: tuple[str, ...]
+    unused_labels: tuple[str, ...]  # of conditions that no law of the scene contains
     one_joint: dict[str, str]  # body that one joint alone holds → the joint
 
 
@@ -60,8 +61,8 @@ class DeclarationReport:
     model: str
     problems: tuple[str, ...]
     scenes: tuple[SceneFacts, ...]
-    # "bodies", "effects", "drivers" and "parameters" → names that no scene uses; empty where one
-    # scene alone was checked or where there is a problem
+    # "bodies", "effects", "drivers", "parameters" and "labels" → names that no scene uses; empty
+    # where one scene alone was checked or where there is a problem
     unused: dict[str, tuple[str, ...]]
 
     def facts(self) -> dict[str, Any]:
@@ -130,6 +131,7 @@ def _problems_of_scene(model: Model, name: str) -> list[str]:
 
 def _facts(model: Model, equations: Equations, lowered: Lowered, found: Findings) -> SceneFacts:
     left_out = tuple(name for name, _ in equations.left_out)
+    texts = "\n".join(switch.text for switch in equations.switches)
     gap, moved, notes, problem = None, list[Moved](), found.notes, ""
     try:
         start = assembled_start(lowered)
@@ -149,6 +151,7 @@ def _facts(model: Model, equations: Equations, lowered: Lowered, found: Findings
         found.constraints, found.degrees_of_freedom,
         tuple(c.name for c in equations.constraints if c.driver), notes,
         gap, tuple(moved), problem, left_out, equations.unused,
+        tuple(words for _, words in equations.labels if words.partition(" / ")[0] not in texts),
         {one: joint for one, joint in one_joint_bodies(model, left_out) if one in equations.bodies},
     )  # fmt: skip
 
@@ -162,6 +165,7 @@ def _unused(model: Model, scenes: Sequence[SceneFacts]) -> dict[str, tuple[str, 
         "effects": (model.effects, left_out),
         "drivers": (model.drivers, left_out),
         "parameters": (model.parameters, [scene.unused_parameters for scene in scenes]),
+        "labels": (model.labels.values(), [scene.unused_labels for scene in scenes]),
     }
     found = {
         kind: tuple(name for name in names if all(name in absent for absent in of_scenes))

@@ -26,12 +26,12 @@ def describe(at: RankDeficiency, kind: Kind, v: FloatArray, rate: float) -> Sing
     """Describe a singular position and the velocities there; `rate` is the drivers' pace, 1/s."""
     table = at.equations.description.constraints
     count, null = (at.k, at.null) if len(at.rows) == at.equations.m else _of_all(at)
-    part = np.abs(at.left).max(axis=1)
-    elements = [
-        table[int(at.rows[row])].element
-        for row in np.argsort(-part, kind="stable")
-        if part[row] > _PART * part.max()
-    ]
+    parts = dict[str, float]()
+    for row, part in zip(at.rows, np.linalg.norm(at.left, axis=1), strict=True):
+        name = table[int(row)].element
+        parts[name] = float(np.hypot(parts.get(name, 0.0), part))
+    ranked = sorted(parts, key=lambda name: -parts[name])
+    elements = [name for name in ranked if parts[name] > _PART * parts[ranked[0]]]
     return SingularPosition(
         kind, at.t, *_drivers_and_joints(at.equations, elements), count,
         tuple(_named(at.equations, x) for x in _simple(null)), singular_value=float(at.values[-1]),
@@ -87,9 +87,10 @@ def driven_instant(equations: Equations, t: float, q: FloatArray) -> float:
 def lock_up(equations: Equations, found: SingularPosition) -> str:
     """The message of a run that ends in a lock-up."""
     drivers = found.drivers or equations.description.drivers
+    rest = f" and {len(found.joints) - _FEW} more" if len(found.joints) > _FEW else ""
     return (
         f"Locked up at t = {found.time:.12g} s: driver {', '.join(drivers)} cannot go on, "
-        f"joints {', '.join(found.joints[:_FEW])} stand in the way. Change the dimensions or "
+        f"joints {', '.join(found.joints[:_FEW])}{rest} stand in the way. Change the dimensions or "
         f"the range of the driver, or drive another coordinate: with the drivers at rest the "
         f"machine could move by {found.free}. (Velocities grow without bound there. "
         f"Smallest singular value of Phi_q: {found.singular_value:.1e}; share of the drivers' "

@@ -178,13 +178,17 @@ class Equations:
         return out
 
     def row_units(self, slopes: FloatArray) -> list[str]:
-        """Unit of each constraint: m where a length enters, or nothing, else its coordinates'."""
+        """Unit of each constraint: m² of links, m of other lengths, else of its coordinates."""
         units = [row.unit for row in self.description.coordinates]
         found: list[set[str]] = [set() for _ in range(self.m)]
         rows, columns = self.description.jacobian_rows, self.description.jacobian_columns
         for e in np.flatnonzero(slopes != 0.0):
             found[rows[e]].add(units[columns[e]])
-        return ["m" if "m" in of or not of else of.pop() if len(of) == 1 else "1" for of in found]
+        return [
+            "m^2" if row.kind in ("distance", "revolute-revolute")
+            else "m" if "m" in of or not of else of.pop() if len(of) == 1 else "1"
+            for row, of in zip(self.description.constraints, found, strict=True)
+        ]  # fmt: skip
 
     def size(self, t: float, q: FloatArray) -> float:
         """A length typical of the mechanism, in m, from how angles enter lengths; 1 if none do."""

@@ -50,6 +50,16 @@ def test_a_sound_model() -> None:
     assert report.unused == {"effects": ("push",), "drivers": ("other",), "parameters": ("spare",)}
 
 
+def test_a_label_of_a_condition_that_no_law_contains() -> None:
+    model = Model("ball")
+    ball = model.particle("ball", mass=1.0)
+    model.force("push", on=ball, fx=1.0, when=ball.x < 2, label="push begins / push ends")
+    model.force("idle", on=ball, fx=1.0, when=ball.y < 2, label="left out")
+    model.label(ball.x > 3, "never fires")
+    model.scene("free", ["push"])
+    assert check_declaration(model).unused["labels"] == ("left out", "never fires")
+
+
 def test_the_position_is_that_of_a_triangle() -> None:
     """With the crank along the ground, BCD has the sides 3, 2.5 and 2."""
     report = check_declaration(linkage(), "free")
@@ -116,6 +126,19 @@ def test_scenes_that_contradict_themselves(words: dict[str, Any], told: str) -> 
     model.scene("torn", **words)
     (problem,) = check_declaration(model).problems
     assert re.search(f"torn.*{told}", problem)
+
+
+def test_two_joints_that_contradict_each_other_are_named_before_a_driver() -> None:
+    model = Model("two")
+    a, b = (model.body(name, mass=1.0, inertia=1.0) for name in "ab")
+    model.revolute("O", model.ground.at(0, 0), a.at(0, 0))
+    model.revolute("A", a.at(1, 0), b.at(0, 0))
+    model.revolute("B", a.at(2, 0), b.at(1.3, 0))
+    model.driver("motor", a.phi, t)
+    model.scene("driven", drivers=["motor"])
+    (problem,) = check_declaration(model).problems
+    assert "Joints A and B hold the same bodies: remove one of them." in problem
+    assert "Remove or relax" not in problem
 
 
 def test_a_point_with_a_wrong_sign_is_named() -> None:

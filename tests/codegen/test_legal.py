@@ -173,8 +173,9 @@ def test_sound_machines_are_not_refused(seed: int) -> None:
     from codegen.check.kinematics import examine
     from tests.codegen.workbench import random_machine
 
-    machine = Interpreted(random_machine(seed, closed=seed % 2 == 0)[0])
-    assert examine(machine.equations, machine.lowered).problems == ()
+    model = random_machine(seed, closed=seed % 2 == 0)[0]
+    machine = Interpreted(model)
+    assert examine(model, machine.equations, machine.lowered).problems == ()
 
 
 def test_the_ground_has_coordinates_that_are_zero(tmp_path: Path) -> None:

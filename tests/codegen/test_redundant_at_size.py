@@ -22,7 +22,7 @@ def findings(model: Model, scene: str | None) -> tuple[Findings, Lowered]:
     (chosen, *_) = valid_scenes(model, scene)
     equations = derive(model, chosen)
     lowered = lower(equations)
-    return examine(equations, lowered), lowered
+    return examine(model, equations, lowered), lowered
 
 
 @pytest.mark.parametrize("seed", range(4))

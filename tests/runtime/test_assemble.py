@@ -256,3 +256,14 @@ def test_gaps_that_are_rounding_beside_the_worst_are_not_named() -> None:
     ))  # fmt: skip
     said = misses(task, np.zeros(1), np.array([0.8, 9e-10, 1e-3]), 1e-10)
     assert said == "driver spin misses by 0.8 rad, joint S misses by 0.001 m"
+
+
+def test_the_gap_of_a_link_is_a_difference_of_squares(tmp_path: Path) -> None:
+    """At the angle 0 the ends are 4 m apart, and the link is 2 m long."""
+    model = Model("link")
+    arm = model.body("arm", mass=1.0, inertia=1.0)
+    model.revolute("O", model.ground.at(0, 0), arm.at(0, 0))
+    model.distance("wire", model.ground.at(5, 0), arm.at(1, 0), 2.0)
+    scene = model.scene("still", start={arm.x: 0.0, arm.y: 0.0, arm.phi: 0.0})
+    with pytest.raises(AssemblyError, match=r"joint wire misses by 12 m\^2\."):
+        load(model, scene, folder=tmp_path).assemble()
