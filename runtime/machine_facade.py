@@ -97,10 +97,10 @@ class Machine(MachineStates):
             is not greater than at the sample before.
         until
             Conditions on series of the result that end the run, by name: ``{"overload":
-            ("hinge.fx", ">", 500.0)}``, or ``"0.5 kN"``, with "<" or ">". The run is made twice,
-            first to `t_end` and then to the condition, with the values that `controllers` returned
-            in the first. Conditions on positions and velocities belong in the scene, ``until=`` of
-            `Model.scene`.
+            ("hinge.fx", ">", 500.0)}`` or ``{"overload": "hinge.fx > 0.5 kN"}``, with "<" or ">".
+            The run is made twice, first to `t_end` and then to the condition, with the values that
+            `controllers` returned in the first. Conditions on positions and velocities belong in
+            the scene, ``until=`` of `Model.scene`.
         correction, time_scale
             How states return onto the constraints: at every "step" (dependent coordinates from
             independent ones), at every "stage", or by "projection", "baumgarte" or "hybrid", for

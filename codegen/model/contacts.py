@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any, Literal
 
 import sympy
+from sympy.core.relational import Relational
 
 from codegen.declare.body import Bodies
 from codegen.declare.element import Constraint, Effect, label
@@ -244,6 +245,10 @@ class Contacts(Declarations):
             DryFriction, name=name, slip=slip, normal=normal, coefficient=coefficient, on=bodies,
             static=static, creep=creep,
         )  # fmt: skip
+        pieces = sympy.Piecewise((0, law.normal < 0), (1, True))  # the condition as in a force
+        for condition in pieces.atoms(Relational):
+            words = f"{name} ceases to press / {name} presses"
+            self._read.labels.setdefault(condition, words)
         return self._friction_law(law, fidelity)
 
     def _one_law(

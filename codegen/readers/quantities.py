@@ -297,6 +297,10 @@ def _cycles_for_radians(value: Any, target: Any, unit: str) -> str | None:
     names = {registry().parse_unit_name(name)[0][1] for name, _ in value.unit_items()}
     if given < 0 == wanted and value.check("[length]"):
         return "is a length for each angle; give the length alone, of a lead that of one turn."
+    if value.dimensionless and given and not wanted:
+        return "is an angle, but a pure number is needed; give the number alone."
+    if value.dimensionless and wanted and not given and names & {"percent", "permille", "ppm"}:
+        return f"is a share, but {unit} is needed; give a number in {unit}."
     is_rate = [*value.dimensionality] == ["[time]"]  # of which 1/min may mean revolutions
     per_cycle = {"hertz", "minute", "hour"} if is_rate else {"hertz"}
     counts = not names.isdisjoint(per_cycle) or _exponent(roots, "count")
@@ -339,10 +343,6 @@ class ConditionText(NamedTuple):
     series: str
     sign: str  # "<" or ">"
     value: str  # a number, perhaps with its unit
-
-    def number(self, unit: str) -> float:
-        """The number in the unit of the series; `UnitError` where its own does not fit."""
-        return number_in(self.value, unit)
 
 
 def read_condition(text: str) -> ConditionText:

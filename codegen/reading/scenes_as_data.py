@@ -79,7 +79,7 @@ def _conditions(
                 problems.append(f"{place}: '{condition.series}' is no position or velocity; {hint}")
                 continue
             unit = "s" if condition.series == "t" else model.unit_of(condition.series)
-            value = condition.number(unit or "")
+            value = number_in(condition.value, unit or "")
         except UnitError as error:
             problems.append(f"{place}: {error}")
             continue

@@ -237,7 +237,7 @@ class Case:
         for name, condition in found.get("until", {}).items():
             row = about.series.get(condition.series)
             try:
-                value = condition.number(row.unit if row else "")
+                value = number_in(condition.value, row.unit if row else "")
                 found["until"][name] = condition.series, condition.sign, value
             except UnitError as error:
                 problems.append(self._problem(("run", "until", name), str(error)))

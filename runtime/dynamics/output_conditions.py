@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from codegen.errors import InputError
-from codegen.readers.quantities import UnitError, finite_in_unit
+from codegen.readers.quantities import UnitError, finite_in_unit, number_in, read_condition
 from codegen.readers.values import shown
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.controllers import Sample
@@ -24,8 +24,8 @@ _LEAST, _MOST = 1000, 20_000  # safety: such instants of a run
 _ONE_INSTANT = 4e-15  # accuracy: of the time; distance in which a series jumps at an event
 _SIGNS = {"<": -1.0, ">": 1.0}
 
-Conditions = Mapping[str, tuple[str, str, float | str]]
-"""Name → (series, "<" or ">", value)."""
+Conditions = Mapping[str, str | tuple[str, str, float | str]]
+"""Name → (series, "<" or ">", value), or "series < value"."""
 
 
 class OutputCondition(NamedTuple):
@@ -53,12 +53,16 @@ def read_conditions(description: Description, until: Any) -> tuple[OutputConditi
         )
     reconnects = any(row.reconnects for row in description.watched)  # joints have other series
     find = description.series.get if reconnects else description.series.find
+    nothing: Any = None
     for name, one in until.items():
-        listed = isinstance(one, tuple | list) and len(one) == 3
-        series, sign, value = tuple(one) if listed else (None, None, None)
+        series, sign, value = one, nothing, nothing
+        read: Any = number_in if isinstance(one, str) else finite_in_unit
         try:
+            parts = read_condition(one) if isinstance(one, str) else one
+            if isinstance(parts, tuple | list) and len(parts) == 3:
+                series, sign, value = parts
             row = find(series) if isinstance(series, str) else None
-            number = finite_in_unit(value, row.unit if row else "")
+            number = read(value, row.unit if row else "")
         except UnitError as misfit:
             problems.append(f"{title}: until={name}, {series}: {misfit}")
             continue

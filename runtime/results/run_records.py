@@ -43,10 +43,11 @@ class Event(NamedTuple):
     q, v
         State, shape (n,); after an impact, the velocities that it leaves.
     word
-        For contacts and stops "touches", "leaves", "rests"; "closes", "opens" if a damper keeps the
-        contact from pushing; "approaches", "recedes" if the force that it would exert changes its
-        sign in flight. For frictions "sticks", "slips", "reverses"; for one-way clutches
-        "overruns", "grips", "strikes", "slips"; empty for others.
+        For contacts and stops "touches", "leaves", "rests", for strands of belts "tightens",
+        "slackens"; "closes", "opens" if a damper keeps the contact from pushing; "approaches",
+        "recedes" if the force that it would exert changes its sign in flight. For frictions
+        "sticks", "slips", "reverses"; for one-way clutches "overruns", "grips", "strikes", "slips";
+        empty for others.
     impulse
         If the rate of a law jumps: component of a reaction, as `drive.fx`, → impulse of that joint
         or driver, N s or N m s. None for other events.
@@ -171,6 +172,7 @@ _RIGID = {
 }  # fmt: skip
 _FREEWHEEL = {Direction.BEGAN: "overruns", Direction.HOLDS: "grips", Direction.IMPACT: "strikes"}
 _SLIPPING = {Direction.BEGAN: "slips", Direction.CEASED: "overruns", Direction.HOLDS: "grips"}
+_PUSHES = {"elastic belt": ("tightens", "slackens")}
 _WORD = re.compile(r"\w+")
 
 
@@ -202,7 +204,7 @@ def event_words(
     stuck = {k: mode == SLIDING for k, mode in enumerate(modes)}
     holds = {k: mode != 0 for k, mode in enumerate(modes)}
     sides, words = _sides(description), []
-    clutches = {row.name for row in description.effects if row.kind == "one-way clutch"}
+    kinds = {row.name: row.kind for row in description.effects}
 
     def pushes(side: tuple[int, ...]) -> bool:
         return all(holds.get(k, False) for k in side)
@@ -214,17 +216,17 @@ def event_words(
             word = _RIGID.get(Direction(direction), "")
         elif row is not None and row.one_way:
             word = _FREEWHEEL.get(Direction(direction), "")
-        elif row is not None and row.name in clutches:
+        elif row is not None and kinds.get(row.name) == "one-way clutch":
             word = _SLIPPING.get(Direction(direction), "")
         elif row is not None and row.sticks:
             held, stuck[k] = stuck.get(k, False), direction == Direction.HOLDS
             word = "sticks" if stuck[k] else "slips" if held else "reverses"
-        elif side := sides.get(k):
+        elif row is not None and (side := sides.get(k)):
             pushed, holds[k] = pushes(side), direction != Direction.CEASED
             if direction == Direction.HOLDS:
                 word = "rests"
             elif pushes(side) != pushed:
-                word = "leaves" if pushed else "touches"
+                word = _PUSHES.get(kinds[row.name], ("touches", "leaves"))[pushed]
             elif k == side[0]:
                 word = "closes" if holds[k] else "opens"
             else:  # its damper, in flight

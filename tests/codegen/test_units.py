@@ -20,6 +20,7 @@ from codegen.readers.quantities import (
     UnitError,
     in_unit,
     known_unit,
+    number_in,
     pint_form,
     si_factor,
     si_unit,
@@ -188,6 +189,17 @@ def test_every_way_in_tells_them_apart() -> None:
     ):  # fmt: skip
         (line,) = (line for line in told.splitlines() if line.startswith(f"{where}: "))
         assert "counts" in line
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "word"),
+    [("5 deg", "", "is an angle, but a pure number"), ("3 %", "rad", "is a share, but rad is")],
+)
+def test_angles_and_shares_are_no_pure_numbers_of_each_other(
+    text: str, unit: str, word: str
+) -> None:
+    with pytest.raises(UnitError, match=word):
+        number_in(text, unit)
 
 
 @pytest.mark.parametrize("pure", [2 * u.rad, 50 * u.percent, u.Quantity(2, "")])

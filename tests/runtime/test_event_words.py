@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sympy import Piecewise, pi, sin
+from sympy import Piecewise, cos, pi, sin
 
 from codegen import Model, build, t
 from codegen.errors import ModelError
@@ -100,6 +100,22 @@ def test_friction_slips_sticks_and_reverses(workshop: Path) -> None:
     r = load(model, folder=workshop).simulate(3.0)
     assert {"rub slips", "rub sticks"} <= {*words(r)}
     assert {event.element for event in r.events} == {"rub"}
+
+
+def test_a_normal_force_that_ceases_and_a_belt_that_slackens(workshop: Path) -> None:
+    model, mass = block("pressing_words")
+    model.dry_friction("rub", coefficient=0.3, normal=5 * cos(7 * mass.x) + 1, slip=mass.vx)
+    model.scene("slides", ["rub"], start={mass.x: 0.0, mass.vx: 2.0})
+    i, j = (model.body(name, 1.0, 0.1) for name in "ij")
+    for body, x in ((i, 0), (j, 1)):
+        model.revolute(f"pin_{body.name}", model.ground.at(x, 0), body.at(0, 0))
+    model.elastic_belt("belt", i, j, 0.1, 0.3, stiffness=1e3, pretension=1.0)
+    model.torque("shake", j, value=5 * sin(6 * t))
+    model.scene("turns", ["belt", "shake"], start={i.phi: 0.0, j.phi: 0.0})
+    slides = words(load(model, "slides", folder=workshop).simulate(1.0))
+    assert slides == ["rub ceases to press", "rub presses"] * 2
+    turns = words(load(model, "turns", folder=workshop).simulate(0.6))
+    assert turns == ["belt slackens", "belt tightens", "belt slackens"]
 
 
 def stopped(name: str, **stop: float) -> Result:

@@ -71,6 +71,10 @@ def result(machine: Machine) -> Result:
             {"until": {"low": ("bob.phi", "<", "-30 deg")}},
             {"until": {"low": ("bob.phi", "<", -pi / 6)}},
         ),
+        (
+            {"until": {"low": "bob.phi < -30 deg"}},
+            {"until": {"low": ("bob.phi", "<", -pi / 6)}},
+        ),
     ],
 )
 def test_a_run_with_units_is_that_in_si(
@@ -138,6 +142,8 @@ def test_sweeps_take_units(folder: Path) -> None:
         ({"t_end": "10 m"}, "t_end is '10 m'; 10 meter has the dimension [length]"),
         ({"until": {"a": ("hinge.fx", ">", "3 m")}}, "until=a, hinge.fx: 3 meter has the"),
         ({"until": {"a": ("hinge.fx", ">", "3")}}, "is no condition"),
+        ({"until": {"a": "hinge.fx > 3 m"}}, "until=a, hinge.fx: 3 meter has the"),
+        ({"until": {"a": "hinge.fx"}}, "until=a, hinge.fx: 'hinge.fx' is no condition; write"),
     ],
 )
 def test_a_wrong_unit_is_refused(machine: Machine, given: dict[str, Any], why: str) -> None:
