@@ -62,7 +62,9 @@ class Scenes(SceneRequests):
         effects, drivers
             Elements that act, by name or by the object that their declaration returned.
         extends
-            A scene whose entries hold here unless this scene states its own, even ``{}``.
+            A scene whose entries hold here as well. Effects and drivers are added to its own, and
+            ``without=`` leaves some out; a value replaces that of the same name, and ``{}`` all of
+            them; outputs replace its outputs.
         without
             Bodies that do not take part, with the joints and effects on them; or joints, effects
             and drivers alone.

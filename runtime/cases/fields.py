@@ -136,8 +136,8 @@ class Scene(_Keys):
         "Name of the scene, which stands in place of the model's own of that name.", required=True
     )
     extends: Text = _key("A scene of the model, whose elements and values this one has too.")
-    effects: Names = _key("Effects that act.")
-    drivers: Names = _key("Drivers that act.")
+    effects: Names = _key("Effects that act, besides those of the scene that it extends.")
+    drivers: Names = _key("Drivers that act, besides those of the scene that it extends.")
     without: Names = _key("Bodies, joints, effects and drivers that do not take part.")
     couplers: Words = _key("Coupler: body, link or lumped.")
     fidelity: Words = _key("Effect, coupler or group: how it is taken.")
