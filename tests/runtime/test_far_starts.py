@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from codegen import Model, build
@@ -53,6 +54,26 @@ def test_a_far_start_is_a_note_everywhere(model: Model, said: str, tmp_path: Pat
 def test_near_starts_bear_no_note(tmp_path: Path) -> None:
     for model in (arm(1.5), roof(guess=-20.0)):
         assert load(model, folder=tmp_path).assemble().note == ""
+
+
+def lever(guess: float) -> Model:
+    """A lever of 1 m about (5, 0), of which a cylinder from (4, 1) has it stand at 100° or 170°."""
+    model = Model("lever")
+    body = model.body("arm", mass=1.0, inertia=1.0)
+    model.revolute("pin", model.ground.at(5, 0), body.at(0, 0))
+    at_100 = np.hypot(1.0 + np.cos(np.radians(100.0)), np.sin(np.radians(100.0)) - 1.0)
+    model.distance_driver("cylinder", model.ground.at(4, 1), body.at(1, 0), float(at_100))
+    model.scene("held", drivers=["cylinder"], guess={body.phi: np.radians(guess)})
+    return model
+
+
+@pytest.mark.parametrize(("guess", "mirrored"), [(95.0, False), (110.0, False), (190.0, True)])
+def test_a_loop_whose_angles_alone_have_guesses_is_judged_at_its_place(
+    guess: float, *, mirrored: bool
+) -> None:
+    start = load(lever(guess)).assemble()
+    assert np.degrees(start["arm.phi"]) % 360.0 == pytest.approx(100.0)
+    assert ("mirror image of its guess: arm" in start.note) == mirrored
 
 
 def test_a_refusal_is_the_same_everywhere(tmp_path: Path) -> None:
