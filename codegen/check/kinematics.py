@@ -4,9 +4,9 @@ Whether its constraints are independent: at positions near the start values, in 
 close, orthogonalisation finds the rows of Φ_q that depend on earlier ones (Haug 3.4). Drivers stand
 last, so that a driver that repeats a joint is the one named.
 
-How joints hold the bodies: all at one point of a body, or one joint alone. Both may be meant. Where
-a linkage does not close or has a freedom too many, they are often a point with a wrong sign, or a
-joint that was forgotten.
+How joints hold a body: revolute joints, all at one point, or one joint alone. Both may be meant.
+Where a linkage does not close or has a freedom too many, they are often a point with a wrong sign,
+or a joint that was forgotten.
 """
 
 from collections import Counter
@@ -145,10 +145,11 @@ def one_joint_bodies(model: Model, left_out: Sequence[str]) -> tuple[tuple[str, 
 
 
 def joints_at_one_point(model: Model) -> tuple[str, ...]:
-    """A sentence for each body that several joints hold, all at the same point of it."""
+    """A sentence for each body that revolute joints alone hold, all at the same point of it."""
     found = []
     for body, joints in _joints_of_bodies(model, ()):
-        places = [place for name in joints for place in _places(model, name, body)]
+        pins = [name for name in joints if model.joints[name].kind == "revolute"]
+        places = [place for name in pins for place in _places(model, name, body)]
         size = max((float(np.hypot(*place)) for place in places), default=0.0)
         if len(places) == len(joints) > 1 and float(np.ptp(places, axis=0).max()) <= _SAME * size:
             x, y = places[0]

@@ -62,12 +62,10 @@ class Scenes(SceneRequests):
         effects, drivers
             Elements that act, by name or by the object that their declaration returned.
         extends
-            A scene whose entries hold here as well. Effects and drivers are added to its own, and
-            ``without=`` leaves some out; a value replaces that of the same name, and ``{}`` all of
-            them; outputs replace its outputs.
+            A scene whose entries hold here as well: effects and drivers are added to its own; a
+            value replaces that of its name, ``{}`` all values, and outputs replace its outputs.
         without
-            Bodies that do not take part, with the joints and effects on them; or joints, effects
-            and drivers alone.
+            Bodies that take no part, with joints and effects on them; joints, effects, drivers.
         couplers
             Coupler → ``"link"``, ``"lumped"`` or ``"body"``, which is the default.
         fidelity

@@ -60,8 +60,8 @@ class Result(ResultFigures):
         error of a step across a singular configuration, divided by the tolerance;
         `integration_seconds`: processor time of the integration alone.
     events
-        Changes of modes and impacts between the instants; in driven motions, crossings and
-        lock-ups.
+        Changes of modes and impacts between the instants; in driven motions crossings, lock-ups
+        and kinks of laws of time, while `mode` has the conditions of forces.
     partitions
         The independent coordinates of a simulation: the first choice, then every change.
     works

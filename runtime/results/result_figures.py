@@ -50,7 +50,7 @@ class ResultFigures(TimeSeries):
 
     @in_pyplot()
     @readers.reads(
-        t=readers.optional(readers.number("a finite number, an instant in s")),
+        t=readers.optional(readers.number("a finite number, an instant in s", unit="s")),
         **dict.fromkeys(("dimensions", "forces", "frames", "names"), readers.flag),
     )
     def draw(

@@ -299,6 +299,8 @@ def read_factor(name: str, given: Any) -> Factor:
     if isinstance(given, str):
         return _read_text(name, given, where)
     if isinstance(given, tuple | list) and given and isinstance(given[0], str):
+        if QUANTITY.fullmatch(given[0]):
+            return _read_text(name, ",".join(map(str, given)), where)
         return _distribution(name, given[0], [finite_float(x) for x in given[1:]], where)
     values = finite_numbers(given)
     if values is None:

@@ -146,8 +146,16 @@ def test_a_point_with_a_wrong_sign_is_named() -> None:
     assert all("free" in text or "driven" in text for text in open_joints)
     assert len(open_joints) == 2
     assert hint.startswith("Joints C and D hold body 'rocker' at one point, (-1.25, 0): ")
-    other = check_declaration(linkage(crank=9.0)).problems
-    assert other
+    slider = Model("slider")
+    crank, rod, block = (slider.body(name, mass=1.0, inertia=0.1) for name in ("a", "b", "c"))
+    slider.revolute("A", slider.ground.at(0, 0), crank.at(-9, 0))
+    slider.revolute("B", crank.at(9, 0), rod.at(-1, 0))
+    slider.revolute("C", rod.at(1, 0), block)
+    slider.translational("guide", slider.ground, block, axis=(1, 0))
+    slider.driver("motor", crank.phi, 1.5)
+    slider.scene("driven", drivers=["motor"])
+    other = check_declaration(linkage(crank=9.0)).problems + check_declaration(slider).problems
+    assert len(other) == 3
     assert not any("at one point" in text for text in other)
 
 

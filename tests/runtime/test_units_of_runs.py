@@ -195,6 +195,10 @@ def test_plots_in_units(result: Result) -> None:
     why = r"unit 'kg' fits none of bob.x \(m\), bob.phi \(rad\); leave it out"
     with pytest.raises(InputError, match=why):
         result.plot("bob.x", "bob.phi", unit=("mm", "kg"))
+    why = "unit 'm' is never used: bob.x takes 'mm', the first unit that fits it"
+    with pytest.raises(InputError, match=why):
+        result.table("bob.x", "bob.y", unit=("mm", "m"))
+    assert result.draw("0 s").axes
     shown = result.table("bob.x", "bob.omega", unit=("mm", "rpm"))
     assert [*shown] == ["bob.x [mm]", "bob.omega [rpm]"]
     assert shown["bob.x [mm]"].iloc[0] == pytest.approx(1e3 * result["bob.x"][0])

@@ -46,7 +46,8 @@ def test_texts_with_units() -> None:
 def test_numbers_in_several_units() -> None:
     grid = read_factor("a", "500 mm:2 m:4")
     assert (grid.values.tolist(), grid.unit) == ([500.0, 1000.0, 1500.0, 2000.0], "mm")
-    assert read_factor("a", "500 mm,2 m").values.tolist() == [500.0, 2000.0]
+    for given in ("500 mm,2 m", ["500 mm", "2 m"]):
+        assert read_factor("a", given).values.tolist() == [500.0, 2000.0]
     drawn = read_factor("a", "normal:1 m:10 mm")
     assert (drawn.bounds, drawn.unit) == ((1.0, 0.01), "m")
 
