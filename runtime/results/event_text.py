@@ -8,6 +8,7 @@ from runtime.mechanism.table_rows import NEXT_PIECE
 
 _LONGEST = 50  # layout: characters of a condition in a text
 _COMPARISON = re.compile(r"(\S+) ([<>])=? (\S+)")
+_PART = re.compile(r"([^<>]+) \((.+ [<>]=? .+)\)")  # of a condition with a label
 _QUANTITY = re.compile(r"(?:(\w+)_)?(x|y|phi|vx|vy|omega|t)")
 _UNITS = {"x": "m", "y": "m", "phi": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s", "t": "s"}
 
@@ -18,6 +19,9 @@ def event_text(name: str, direction: int) -> str:
     The event's name is `effect: condition`, or `singular: drivers and joints`.
     """
     element, _, condition = name.partition(": ")
+    if part := _PART.fullmatch(condition):
+        whole, _ = label_sides(part[1])
+        return f"{event_text(f'{element}: {part[2]}', direction)} (part of {whole})"
     match Direction(direction):
         case Direction.CROSSED:
             return f"{condition}: a singular position is crossed"

@@ -69,9 +69,17 @@ def test_a_label_names_the_events_of_a_condition(labelled: Machine) -> None:
         ("valve: opens / closes", -1, "closes"),
         ("valve: opens / closes", 0, "valve: the motion stays on the boundary of opens"),
         ("valve: opens", -1, "no longer: opens"),
+        (
+            "cloth: pierces / turns (bar_y < -0.045)", 1,
+            "cloth: y of bar falls below -0.045 m (part of pierces)",
+        ),
+        (
+            "cloth: pierces / turns (bar_vy < 0)", -1,
+            "cloth: vy of bar becomes positive (part of pierces)",
+        ),
         ("singular: drive, A", 3, "drive, A: a singular position is crossed"),
     ],
-)
+)  # fmt: skip
 def test_a_condition_is_told_in_words(name: str, direction: int, text: str) -> None:
     assert event_text(name, direction) == text
 
