@@ -117,7 +117,8 @@ def _shapes(element: Element, role: str, hubs: Hubs) -> Iterator[Shape]:
             at = (v for v in vars(element).values() if isinstance(v, Point))
             drawn = tuple(shapes.Mark(point) for point in at)
         for shape in drawn:
-            yield _with_points(shape, hubs)
+            is_placed = isinstance(shape, shapes.Reaction | shapes.Exertion)
+            yield shape if is_placed else _with_points(shape, hubs)
             if isinstance(shape, shapes.Contact) and shape.gap is not None:
                 yield from _contact_sides(shape)
         if role != "force":
@@ -162,8 +163,8 @@ def _contact_sides(contact: shapes.Contact) -> Iterator[shapes.ContactSide]:
             Slope(gap, (angle,) * k) if body.turns else sympy.S.Zero for k in (1, 2, 3)
         )
         yield shapes.ContactSide(
-            body, gap, gx, gy, turn, bend, third, is_grounded=alone, is_level=level,
-            is_fixed=level and not kinds(gap, Time), force=contact.force, is_stop=contact.is_stop,
+            body, gx, gy, turn, contact.force, gap, bend, third, is_grounded=alone, is_level=level,
+            is_fixed=level and not kinds(gap, Time), is_stop=contact.is_stop,
         )  # fmt: skip
 
 

@@ -1,13 +1,13 @@
 """Strokes that a picture has beside its lines: arrows, frames of bodies, paths, dimensions."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from codegen.drawing import shapes
-from codegen.drawing.contacts import nearest_side, touch
+from codegen.drawing.contacts import line_of_force, nearest_side, touch
 from codegen.drawing.guides import held_places
 from codegen.drawing.picture import ARROW, BLOCK, HEAD, PIN, ROUND_ARROW, SAME, Picture, Symbol
 from codegen.drawing.plane_geometry import (
@@ -35,6 +35,8 @@ MOST_EDGES = 4  # layout: edges of a body that are measured
 OFFSET = 0.07  # layout: distance of a dimension line from what it measures
 OFFSET_LEVELS = (1.0, 1.8, 2.6)  # layout: multiples of it, of which the first free one is taken
 CLEARANCE = 0.045  # layout: least distance of dimension lines from each other
+Arrow = tuple["Load", list[Stroke]]
+"""What acts, with its shaft and its head."""
 Series = Mapping[str, float | FloatArray]
 """Name of a series of a result, as ``"B.fx"``, → its value, or its values (k,), N or N m."""
 
@@ -52,7 +54,7 @@ class Load(NamedTuple):
     @property
     def size(self) -> float:
         """Of the force in N, or of the torque in N m; the largest over time."""
-        return float(np.max(np.abs(self.value)))
+        return float(np.nanmax(np.abs(self.value), initial=0.0))
 
     @property
     def unit(self) -> str:
@@ -60,15 +62,10 @@ class Load(NamedTuple):
         return "N m" if self.style == "torque" else "N"
 
 
-def loads(picture: Picture, series: Series, springs: bool = False) -> Iterator[Load]:
-    """All that act: applied forces and torques, and reactions as far as `series` has them.
-
-    `springs` says whether springs, dampers and actuators count as well.
-    """
+def loads(picture: Picture, series: Series) -> Iterator[Load]:
+    """All that act: applied forces and torques, and what else `series` has."""
     for symbol in picture.symbols:
-        for style, body, where, value, by in _exerted(picture, symbol, series, springs):
-            if value is None:
-                continue
+        for style, body, where, value, by in _exerted(picture, symbol, series):
             on = f"{f', {by}' if by else ''} on {picture.bodies[body].name}"
             place = where if isinstance(where, Place) else None
             at = picture.at(place) if place else where
@@ -76,40 +73,44 @@ def loads(picture: Picture, series: Series, springs: bool = False) -> Iterator[L
 
 
 def _exerted(
-    picture: Picture, symbol: Symbol, series: Series, springs: bool
+    picture: Picture, symbol: Symbol, series: Series
 ) -> Iterator[tuple[str, int, Any, Any, str]]:
-    """Style, body, place, value, None where the series lack it, and exerting body of each load."""
+    """Style, body, place, value, 0 where the series lack it, and exerting body of each load."""
 
-    def exerted(word: str) -> Any:
-        return series.get(f"{symbol.element}.{word}")
+    def exerted(*words: str) -> Any:
+        names = (f"{symbol.element}.{word}" for word in words)
+        return next((series[name] for name in names if name in series), 0.0)
 
     match symbol.shape:
         case shapes.Force(at, fx, fy):
             yield "force", at.body, at, fx + 1j * fy, ""
         case shapes.Torque(at, torque):
             yield "torque", at.body, at, torque, ""
-        case shapes.Reaction(by, on, x, y, ux, uy):
-            name, parts = picture.bodies[by].name, [exerted("fx"), exerted("fy")]
-            if any(part is not None for part in parts):
-                fx, fy = (0.0 if part is None else part for part in parts)
-                yield "reaction", on, x + 1j * y, (fx + 1j * fy) * (ux + 1j * uy), name
+        case shapes.Reaction(by, on, x, y) as axes:
+            name, force = picture.bodies[by].name, exerted("fx", "force") + 1j * exerted("fy")
+            yield "reaction", on, x + 1j * y, force * axes.along, name
             yield "torque", on, x + 1j * y, exerted("torque"), name
-        case ContactSide() as side if (push := exerted(side.force)) is not None:
-            force = push * _is_nearest(picture, symbol, side) * (side.gx + 1j * side.gy)
-            yield "reaction", side.body, touch(picture, side).point, force, ""
+        case shapes.Exertion(body, gx, gy, turn, word) as side:
+            push, slope, at = exerted(word), gx + 1j * gy, line_of_force(picture, side)[0]
+            if isinstance(side, ContactSide):
+                push, at = push * _is_nearest(picture, symbol, side), touch(picture, side).point
+            yield "reaction", body, at, push * slope, ""
+            if not np.any(slope):
+                yield "torque", body, Place(body, 0.0, 0.0), push * turn, ""
         case shapes.Drive(j=j, turns=True):
             yield "torque", j.body, j, exerted("torque"), ""
-        case shapes.Drive(i, j) as drive if (push := exerted("force")) is not None:
+        case shapes.Drive(i, j) as drive:
             way = drive.along if i is None else picture.turned(drive.along, i.body)
-            yield "reaction", j.body, j, push * way, ""
-        case shapes.Spring(i, j) if springs and (tension := exerted("force")) is not None:
+            yield "reaction", j.body, j, exerted("force", "fx", "fy") * way, ""
+        case (shapes.Spring(i, j) | shapes.Bearing(i, j)) as pair:
             away = picture.at(j) - picture.at(i)
-            pull = tension * away / np.where(away == 0, 1.0, abs(away))
+            pull = exerted("force", "normal") * away / np.where(away == 0, 1.0, abs(away))
+            pull = -pull if getattr(pair, "pushes", False) else pull
             for place, value in ((i, pull), (j, -pull)):
                 if not picture.is_ground(place.body):
                     yield "force", place.body, place, value, ""
-        case shapes.SpiralSpring(i, j) if springs:
-            yield "torque", i.body, j, exerted("torque"), ""
+        case shapes.SpiralSpring(i, j) as spring:
+            yield "torque", (j if spring.pushes else i).body, j, exerted("torque"), ""
 
 
 def _is_nearest(picture: Picture, symbol: Symbol, own: ContactSide) -> Any:
@@ -125,12 +126,11 @@ def _is_nearest(picture: Picture, symbol: Symbol, own: ContactSide) -> Any:
     return np.where(nearest_side(rivals) == number, 1.0, 0.0)[()]
 
 
-def acting_loads(picture: Picture, series: Series | None = None) -> list[Load]:
-    """What acts at one instant, is finite, and not 0 beside the largest of its unit."""
-    finite = [
-        load for load in loads(picture, series or {}) if np.isfinite([load.value, load.at]).all()
-    ]
-    least = {word: VANISHING * _largest(finite, word) for word in ("N", "N m")}
+def acting_loads(picture: Picture, series: Series, run: Iterable[Load] = ()) -> list[Load]:
+    """What acts at one instant, is finite, and not 0 beside the largest of its unit in the run."""
+    finite = [load for load in loads(picture, series) if np.isfinite([load.value, load.at]).all()]
+    known = [*finite, *run]
+    least = {word: VANISHING * _largest(known, word) for word in ("N", "N m")}
     return [load for load in finite if load.size > least[load.unit]]
 
 
@@ -139,19 +139,14 @@ def _largest(found: list[Load], unit_: str) -> float:
     return max((load.size for load in found if load.unit == unit_), default=0.0)
 
 
-def drawn_loads(
-    picture: Picture, scale: float | None = None, series: Series | None = None
-) -> list[tuple[Load, list[Stroke]]]:
-    """What acts at one instant, each with its arrow: shaft and head.
-
-    Arrows have a length per force of `scale`, m/N, or all one length.
-    """
-    size, acting = picture.size, acting_loads(picture, series)
+def drawn_loads(picture: Picture, acting: list[Load], to_scale: bool) -> list[Arrow]:
+    """What acts at one instant, each with its arrow, to scale or of one size: shaft and head."""
+    size, scale = picture.size, force_scale(picture, acting) if to_scale else None
     strongest, found = _largest(acting, "N m"), []
     origins = origin(picture.poses[1:])
     for load in acting:
         if load.style == "torque":
-            share = 1.0 if series is None else load.size / strongest
+            share = load.size / strongest if to_scale else 1.0
             radius = WIDE * ROUND_ARROW * size * (SMALLEST + (1 - SMALLEST) * share)
             start, sweep = np.radians((120, 200) if load.value > 0 else (60, -200))
             lines = round_arrow(load.at, radius, start, sweep, HEAD * size)
@@ -165,9 +160,9 @@ def drawn_loads(
     return found
 
 
-def force_scale(picture: Picture, series: Series | None = None) -> float | None:
+def force_scale(picture: Picture, acting: list[Load]) -> float | None:
     """Length per force, m/N, at which the largest arrow fits the picture; None without a force."""
-    strongest = _largest(acting_loads(picture, series), "N")
+    strongest = _largest(acting, "N")
     return LARGEST * picture.size / strongest if strongest > 0 else None
 
 

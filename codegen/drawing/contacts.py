@@ -24,7 +24,7 @@ from codegen.drawing.plane_geometry import (
     hatching,
     origin,
 )  # fmt: skip
-from codegen.drawing.shapes import ContactSide
+from codegen.drawing.shapes import ContactSide, Exertion
 
 GREATEST_GAP = 20.0  # layout: typical lengths from a body up to a surface that is drawn
 ROUNDING = 1e-9  # accuracy: of a contact's arms; a centre of curvature that moves by less is fixed
@@ -51,15 +51,21 @@ class ContactLine(NamedTuple):
 
 def contact_line(picture: Picture, side: ContactSide) -> ContactLine:
     """The line of the force of a side."""
-    size = np.hypot(side.gx, side.gy)
-    size = np.where(size > 0, size, np.nan)[()]
-    normal = side.gx / size + 1j * (side.gy / size)
+    foot, normal, size = line_of_force(picture, side)
     arms = np.asarray(abs(side.turn) + abs(side.bend))
     # the centre moves in the body with g_φ + g_φφφ, the change of the radius of curvature
     change = abs(side.turn + side.third)
     is_round = bool(np.any(arms > 0) and np.all(change <= ROUNDING * arms.max()))
-    foot = origin(picture.poses[..., side.body, :]) - 1j * (side.turn / size) * normal
     return ContactLine(foot, normal, side.gap / size, side.bend / size, is_round)
+
+
+def line_of_force(picture: Picture, force: Exertion) -> tuple[Any, Any, Any]:
+    """Foot, m, and direction of the line of a force, and its slope along that."""
+    size = np.hypot(force.gx, force.gy)
+    size = np.where(size > 0, size, np.nan)[()]
+    normal = force.gx / size + 1j * (force.gy / size)
+    foot = origin(picture.poses[..., force.body, :]) - 1j * (force.turn / size) * normal
+    return foot, normal, size
 
 
 def nearest_side(sides: Sequence[ContactSide]) -> Any:

@@ -1,12 +1,12 @@
 """Names and numbers of a figure: their texts, their possible places, and the choice of a place."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from codegen.drawing import shapes
-from codegen.drawing.annotations import WIDE, Series, drawn_loads, force_scale
+from codegen.drawing.annotations import WIDE, Arrow
 from codegen.drawing.contacts import surfaces
 from codegen.drawing.guides import guide_of, pitch_point, rail_ends
 from codegen.drawing.lines_between_bodies import gap_of
@@ -45,15 +45,16 @@ class Label(NamedTuple):
     style: dict[str, Any]  # of its letters, for Matplotlib
 
 
-def labels(picture: Picture, series: Series | None = None, values: bool = False) -> list[Label]:
+def labels(picture: Picture, arrows: Sequence[Arrow] = (), values: bool = False) -> list[Label]:
     """The names of bodies, joints, drivers and forces, and how far open joints are apart.
 
-    With `values` forces have their sizes behind their names, and reactions in `series` as well.
+    With `values` forces, of which these are the arrows, have their sizes behind their names.
     """
-    loads = {one.text: one for one in _loads(picture, series, values)}.values()
-    named = {one.text.partition(", ")[0] for one in loads} if values else set()
+    loads = {one.text: one for one in _loads(picture, arrows, values)}.values()
+    named = {load.element for load, _ in arrows} if values else set()
     bodies, gaps = list(_bodies(picture)), list(_gaps(picture))
-    wanted = [*_joints(picture, named), *bodies, *loads, *_others(picture)]
+    wanted = [*_joints(picture, named), *bodies, *loads]
+    wanted += [one for one in _others(picture) if one.text not in named]
     wanted += [] if values else _surfaces(picture)
     few = len(wanted) + len(gaps) <= MOST_NAMES  # else, in a chain of alike parts, bodies do
     return [*(wanted if few else bodies), *gaps]
@@ -149,10 +150,9 @@ def _surfaces(picture: Picture) -> Iterator[Label]:
         yield Label(one.element, places, 0.0, _style(LIGHT["joint"]))
 
 
-def _loads(picture: Picture, series: Series | None, values: bool) -> Iterator[Label]:
+def _loads(picture: Picture, arrows: Iterable[Arrow], values: bool) -> Iterator[Label]:
     """Names of what acts; with `values` also on which body, and its size."""
-    scale = force_scale(picture, series) if values else None
-    for load, strokes in drawn_loads(picture, scale, series):
+    for load, strokes in arrows:
         is_torque = load.style == "torque"
         number = f"{load.label}: {engineering(load.size, load.unit)}"
         places = np.array([load.at]) if is_torque else strokes[0].points[[-1, 0]]  # the far end

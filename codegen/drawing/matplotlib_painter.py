@@ -8,7 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.drawing.annotations import (
+    Load,
     Series,
+    acting_loads,
     dimension_lines,
     drawn_loads,
     driver_strokes,
@@ -21,7 +23,6 @@ from codegen.drawing.lines_between_bodies import lines_between_bodies
 from codegen.drawing.lines_in_bodies import lines_in_bodies
 from codegen.drawing.picture import Picture
 from codegen.drawing.plane_geometry import FloatArray, Points, origin, pairs
-from codegen.drawing.shapes import Force, Torque
 from codegen.drawing.styles import LIGHT, STYLES, Stroke, color_of, ordered
 from codegen.presentation import new_figure
 
@@ -45,23 +46,24 @@ SIDE = 0.75  # layout: room beside the axes of a movie, inches
 
 def figure(
     picture: Picture, dimensions: bool = False, forces: bool = False, *, frames: bool = False,
-    names: bool = True, series: Series | None = None,
+    names: bool = True, series: Series | None = None, run: Iterable[Load] = (),
 ) -> "Figure":  # fmt: skip
     """Draw a picture, whose bodies all have outlines: see `body_outlines.complete_picture`.
 
     Places of a joint that do not coincide are joined by a dashed line that says how far they are
     apart. The words are those of `Model.draw`; without `forces` arrows of one length say where
-    forces act, and which way. `series` are reactions of joints, drivers and contacts on the second
-    body by the names of their series: N in the joint's axes, and N m. Raises InputError where
+    forces act, and which way. `series` are what joints, drivers and forces exert at this instant,
+    by the names of their series, and `run` is all that acts in the run. Raises InputError where
     Matplotlib is not installed.
     """
-    series = series if forces else None
-    scale = force_scale(picture, series) if forces else None
+    acting = acting_loads(picture, series or {}, run)
+    scale = force_scale(picture, acting) if forces else None
+    arrows = drawn_loads(picture, acting, forces)
     measured = dimension_lines(picture) if dimensions else []
     artist = PictureArtist(picture)
     artist.signs = [
         *driver_strokes(picture),
-        *(stroke for _, strokes in drawn_loads(picture, scale, series) for stroke in strokes),
+        *(stroke for _, strokes in arrows for stroke in strokes),
         *(frame_strokes(picture) if frames else ()),
         *(trace_strokes(picture) if picture.motion is not None else ()),
         *(stroke for strokes in measured for stroke in strokes),
@@ -75,7 +77,7 @@ def figure(
         writer.add_dimension(line.points)
     if scale is not None:
         writer.add_scale(scale, picture.size)
-    for label in labels(picture, series, forces) if names else ():
+    for label in labels(picture, arrows, forces) if names else ():
         writer.add(label)
     return drawn
 
@@ -273,8 +275,7 @@ def phase_figure(frames: Sequence[Picture]) -> "Figure":
     for number, (artist, frame) in enumerate(zip(artists, frames, strict=True)):
         artist.add_to(axes, frame, 2.0 + number / len(frames))
     result.draw_without_rendering()
-    named = tuple(s for s in last.symbols if not isinstance(s.shape, Force | Torque))
     writer = Writer(axes, artists[-1].global_lines(last))
-    for label in labels(replace(last, symbols=named)):
+    for label in labels(last):
         writer.add(label)
     return result

@@ -84,6 +84,7 @@ class SpringLike(Pair):
     elastic: bool = True
     damper: bool = False
     actuator: bool = False
+    pushes: bool = False  # i and j apart, or turns j, where positive; else pulls, or turns i
 
 
 class Pin(Pair):
@@ -206,7 +207,19 @@ class Contact(Shape):
 
 
 @dataclass(frozen=True)
-class ContactSide(Shape):
+class Exertion(Shape):
+    """An element's force, the component `force`, on a body, by its shares in Q_x, Q_y and Q_φ."""
+
+    kind = "exertion"
+    body: Any
+    gx: Number
+    gy: Number
+    turn: Number
+    force: str
+
+
+@dataclass(frozen=True)
+class ContactSide(Exertion):
     """A contact as a moving body has it: the gap, and its slopes by x, y and φ of the body.
 
     Elements return `Contact`, of which these follow. Whether the other side is the ground, and
@@ -214,17 +227,12 @@ class ContactSide(Shape):
     """
 
     kind = "contact side"
-    body: Any
     gap: Number
-    gx: Number
-    gy: Number
-    turn: Number  # ∂g/∂φ
     bend: Number  # ∂²g/∂φ²
     third: Number  # ∂³g/∂φ³
     is_grounded: bool
     is_level: bool
     is_fixed: bool
-    force: str = "force"
     is_stop: bool = False
 
 

@@ -216,4 +216,4 @@ class DistanceDriver(Driver):
 
     def shapes(self) -> shapes.Shapes:
         """An actuator."""
-        return (shapes.Spring(self.i, self.j, elastic=False, actuator=True),)
+        return (shapes.Spring(self.i, self.j, elastic=False, actuator=True, pushes=True),)

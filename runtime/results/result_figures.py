@@ -64,7 +64,7 @@ class ResultFigures(TimeSeries):
         t
             Instant in s, as `at` takes it; unless given, the first sample.
         dimensions, forces, frames, names
-            As for `Model.draw`; forces are the applied forces and the reactions of joints.
+            As for `Model.draw`; forces are all that act, also those that are no outputs.
 
         Returns
         -------

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from codegen.drawing.annotations import loads
 from codegen.drawing.body_outlines import complete_picture
 from codegen.drawing.matplotlib_painter import figure
 from codegen.drawing.picture import (
@@ -72,17 +73,23 @@ def picture_at_states(
 
 
 def draw_result(result: "Result", t: float | None, **drawing: Any) -> "Figure":
-    """Draw a result at an instant, with the reactions there if forces are wanted."""
+    """Draw a result at an instant, with all that acts there if forces are wanted."""
     one = result if t is None else result.at(t)
     picture = moving_picture(result, one).first
-    series = {name: values[0] for name, values in exerted(one).items()}
-    return figure(picture, **drawing, series=series)
+    if drawing.get("forces"):
+        drawing["series"] = {name: now[0] for name, now in exerted(one, everything=True).items()}
+        drawing["run"] = loads(moving_picture(result), exerted(result, everything=True))
+    return figure(picture, **drawing)
 
 
-def exerted(result: "Result") -> dict[str, FloatArray]:
-    """What joints, drivers and forces exert, by the names of the series, (k,) each, N or N m."""
-    rows = result.description.reactions
-    return {row.name: result.samples.reaction[:, k] for k, row in enumerate(rows)}
+def exerted(result: "Result", everything: bool = False) -> dict[str, FloatArray]:
+    """Series → what is exerted, (k,), N or N m: of the scene's outputs, or `everything`."""
+    found: dict[str, FloatArray] = {}
+    named = [(slice(None), result.description, result.samples)]
+    for rows, description, samples in result._afterwards if everything else named:
+        for k, row in enumerate(description.reactions):
+            found.setdefault(row.name, np.zeros(len(result.t)))[rows] = samples.reaction[:, k]
+    return found
 
 
 def moving_picture(result: "Result", part: "Result | None" = None) -> Picture:

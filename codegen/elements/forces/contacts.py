@@ -249,9 +249,9 @@ class Stop(GapSprings):
 
     def shapes(self) -> shapes.Shapes:
         """The bodies that touch at each limit; an angle has no place where it stops."""
-        if self.unit != "m":
+        if not self.unit:
             return (shapes.Contact(self.on),)
-        forces = SIDES if len(self.gaps) > 1 else ("force",)  # components of the force in N
+        forces = SIDES if len(self.gaps) > 1 else (WORDS[self.unit][1],)
         return tuple(
             shapes.Contact(self.on, gap=gap, force=force, is_stop=True)
             for force, gap in zip(forces, self.gaps, strict=True)
@@ -329,8 +329,7 @@ class RigidContact(Effect):
 
     def shapes(self) -> shapes.Shapes:
         """The bodies that touch, and the gap between them, or those of a stop."""
-        if self.unit != "m":
+        if not self.unit:
             return (shapes.Contact(self.on),)
-        is_stop = bool(self.limits)
-        gaps = self.limits or (self.gap,)
-        return tuple(shapes.Contact(self.on, gap=gap, is_stop=is_stop) for gap in gaps)
+        force, is_stop, gaps = WORDS[self.unit][1], bool(self.limits), self.limits or (self.gap,)
+        return tuple(shapes.Contact(self.on, None, gap, force, is_stop) for gap in gaps)

@@ -17,6 +17,7 @@ from codegen.declare.element import (
 )
 from codegen.declare.element_fields import quantity, static_condition
 from codegen.declare.symbols import Velocity, kinds, rate, side
+from codegen.drawing import shapes
 from codegen.elements.joints.guides import RevoluteTranslational, Translational
 from codegen.elements.joints.points import Revolute
 from codegen.elements.registry import element
@@ -127,6 +128,15 @@ class DryFriction(Coulomb):
     def speed(self) -> sympy.Expr:
         """The slip."""
         return self.slip
+
+    def shapes(self) -> shapes.Shapes:
+        """The force on each body, along the slopes of the slip."""
+        slopes = {v: sympy.diff(self.slip, v) for v in kinds(self.slip, Velocity)}
+        found = []
+        for body in dict.fromkeys(self.on):
+            gx, gy, turn = (slopes.get(v, 0) for v in (*body.velocity, body.angular_velocity))
+            found.append(shapes.Exertion(body, gx, gy, turn, "force"))
+        return tuple(found)
 
     def reported(self, bodies: Bodies) -> Reported:
         """f itself."""
@@ -245,6 +255,13 @@ class JointFriction(Coulomb):
     def speed(self) -> sympy.Expr:
         """The rate of the slip."""
         return rate(self.friction().along)
+
+    def shapes(self) -> shapes.Shapes:
+        """How it acts on the second body, where the joint's reaction does."""
+        i, j = self.joint.i, self.joint.j
+        (c, s), (ux, uy) = i.body.rotation, getattr(self.joint, "axis", (1, 0))
+        way = c * ux - s * uy, s * ux + c * uy
+        return (shapes.Reaction(i.body, j.body, j.x, j.y, *way),)
 
     def problems(self) -> list[str]:
         """Joints that do not rub, and two laws at once."""

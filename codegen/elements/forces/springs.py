@@ -282,5 +282,7 @@ class Bushing(Springs):
         )
 
     def shapes(self) -> shapes.Shapes:
-        """A pin of rubber: a spring from point to point."""
-        return (shapes.Spring(self.i, self.j),)
+        """A pin of rubber: a spring from point to point, and the axes of its force on body j."""
+        i, j = self.i.body, self.j.body
+        axes = shapes.Reaction(i, j, self.j.x, self.j.y, *i.rotation)
+        return shapes.Spring(self.i, self.j), axes

@@ -53,7 +53,7 @@ class Motor(measures.TurnMeasures, Effect):
 
     def shapes(self) -> shapes.Shapes:
         """A round arrow between two bodies."""
-        return (shapes.SpiralSpring(self.i, self.j, elastic=False, actuator=True),)
+        return (shapes.SpiralSpring(self.i, self.j, elastic=False, actuator=True, pushes=True),)
 
 
 # formula: rad/s²; with the inertias the typical torque of a clutch
@@ -116,7 +116,7 @@ class OneWayClutch(measures.TurnMeasures, Effect):
 
     def shapes(self) -> shapes.Shapes:
         """A round sign between two bodies."""
-        return (shapes.SpiralSpring(self.i, self.j, elastic=False, damper=True),)
+        return (shapes.SpiralSpring(self.i, self.j, elastic=False, damper=True, pushes=True),)
 
 
 @element

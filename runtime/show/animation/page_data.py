@@ -188,9 +188,9 @@ class _Machine:
     def arrows(self, series: Series) -> Iterator[Row]:
         """All that acts, with its components over time."""
         kinds = {symbol.element: symbol.kind for symbol in self.picture.symbols}
-        for load in loads(self.picture, series, springs=True):
+        for load in loads(self.picture, series):
             value: Any = self.over_time(load.value)
-            if np.isfinite(load.at * value).any() and np.nanmax(abs(value)) > 0:
+            if np.isfinite(load.at * value).any() and load.size > 0:
                 parts = (value,) if load.style == "torque" else (value.real, value.imag)
                 at = {"path": self.path(load.at)} if load.place is None else self.place(load.place)
                 yield {

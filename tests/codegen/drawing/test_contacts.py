@@ -207,7 +207,7 @@ def test_stops_of_a_slide_have_plates_where_the_block_ends(law: dict[str, float]
 
 
 def test_contacts_without_a_surface() -> None:
-    """A stop of an angle has no place; two bodies that move have sides alone; a far one is none."""
+    """A stop of an angle only turns; two bodies that move have sides alone; a far one is none."""
     model = Model("none")
     one, two = (model.particle(name, 1.0, draw=disc(0.1)) for name in ("one", "two"))
     wheel = model.body("wheel", 1.0, 0.1)
@@ -223,9 +223,10 @@ def test_contacts_without_a_surface() -> None:
         (symbol.element, picture.bodies[side.body].name)
         for symbol, side in picture.having(ContactSide)
     ]
-    assert names == [("hit", "one"), ("hit", "two"), ("sky", "one")]
+    turning = [("turn", "wheel")] * 2
+    assert names == [*turning, ("hit", "one"), ("hit", "two"), ("sky", "one")]
     assert surfaces(picture, fixed=True) == surfaces(picture, fixed=False) == []
-    for (_, side), x in zip(picture.having(ContactSide)[:2], (1.1, 1.9), strict=True):
+    for (_, side), x in zip(picture.having(ContactSide)[2:4], (1.1, 1.9), strict=True):
         assert_allclose(touch(picture, side).point, x, atol=1e-3)
 
 

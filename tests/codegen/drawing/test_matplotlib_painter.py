@@ -10,7 +10,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from codegen import Model
-from codegen.drawing.annotations import dimension_lines, drawn_loads
+from codegen.drawing.annotations import acting_loads, dimension_lines, drawn_loads
 from codegen.drawing.labels import Label, Writer, engineering, labels
 from codegen.drawing.matplotlib_painter import PictureArtist, figure
 from codegen.drawing.picture import Symbol
@@ -67,7 +67,8 @@ def test_a_small_force_has_its_text_beside_its_own_short_arrow() -> None:
     drawn = slider_crank()
     reaction = Symbol("B", "revolute", "joint", Reaction(1, 2, 1.4, 1.4, 1.0, 0.0))
     drawn = replace(drawn, symbols=(*drawn.symbols, reaction))
-    (label,) = (one for one in labels(drawn, {"B.fx": 50.0}, True) if one.text.startswith("B,"))
+    arrows = drawn_loads(drawn, acting_loads(drawn, {"B.fx": 50.0}), True)
+    (label,) = (one for one in labels(drawn, arrows, True) if one.text.startswith("B,"))
     assert abs(label.places - (1.4 + 1.4j)).max() < 1e-3 * drawn.size
 
 
@@ -88,7 +89,7 @@ def test_torques_of_joints_and_drivers_have_sizes_and_bodies() -> None:
     } <= found  # fmt: skip
     arcs = {
         load.element: shaft.points
-        for load, (shaft, _) in drawn_loads(drawn, 1.0, series)
+        for load, (shaft, _) in drawn_loads(drawn, acting_loads(drawn, series), True)
         if load.style == "torque"
     }
     assert np.ptp(arcs["guide"].imag) < 0.7 * np.ptp(arcs["motor"].imag)

@@ -19,7 +19,7 @@ from codegen.reference.pages import example_of
 from tests.codegen.elements.turned_body import TurnedBody
 
 OF_LIBRARY = [name for name, kind in kinds_of_elements().items() if not kind.is_user_defined]
-NOT_DRAWN = {"constraint", "dry friction", "friction", "generalized force", "potential"}
+NOT_DRAWN = {"constraint", "friction", "generalized force", "potential"}
 
 
 def shapes_of(picture: Picture, element: str) -> list[Shape]:
