@@ -221,8 +221,8 @@ def test_conditions_on_outputs_that_are_none(
                   {"a": ("rod.fx", ">=", 3.0)}, {"a": ("rod.fx", ["<"], 3.0)}):  # fmt: skip
         with pytest.raises(InputError, match=r"until=.*write until="):
             pendulum.simulate(1.0, until=wrong)  # type: ignore[arg-type]
-    with pytest.raises(InputError, match=r"until=.*write until="):
-        pendulum.simulate(1.0, until={"a": "rod.fx > 3"})  # type: ignore[dict-item]
+    with pytest.raises(InputError, match=r"until=a.*'rod\.fx = 3' is no condition; write"):
+        pendulum.simulate(1.0, until={"a": "rod.fx = 3"})
     with pytest.raises(InputError, match=r"'rod\.fz'"):
         pendulum.simulate(1.0, until={"a": ("rod.fz", ">", 3.0)})
 

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 _LEVEL = 9  # layout: of compression
 _DROPPED = 8  # accuracy: low bits of a mantissa of 24 that curves leave out, 1.5e-5 of a value
 MAX_MARKS = 2000  # layout: marks of a run
-_FLASHES = {"touches", "impact", "strikes", "closes", "engage"}
+_FLASHES = {"touches", "tightens", "impact", "strikes", "closes", "engage"}
 """What an event's word, kind or action is where bodies hit each other."""
 NO_MACHINE = Picture("", (), np.zeros((1, 0, 3)), (), t=np.zeros(1))
 """The picture of a run whose machine is not known."""
