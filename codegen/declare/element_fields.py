@@ -53,7 +53,8 @@ class Condition:
     @property
     def known(self) -> bool:
         """Whether no parameter changes what is bounded."""
-        return all(number.is_number for number in self.numbers)
+        bounded = self.numbers if self.bulges else self.numbers[:1]
+        return all(number.is_number for number in bounded)
 
     @property
     def varies(self) -> bool:

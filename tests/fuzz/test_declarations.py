@@ -73,9 +73,9 @@ PLACES: dict[str, tuple[Callable[[Scenery, Any], Any], set[str]]] = {
     "components": (lambda s, v: s.model.generalized_force("e", v), set()),
     "friction": (
         lambda s, v: s.model.friction("e", s.pin, v, radius=1),
-        {*POSITIVE, "zero", "degrees"},
+        {*POSITIVE, "zero"},
     ),
-    "default": (lambda s, v: s.model.parameter("e", v), {*NUMBERS, "degrees"}),
+    "default": (lambda s, v: s.model.parameter("e", v), NUMBERS),
     "unit": (lambda s, v: s.model.parameter("e", 1, unit=v), {"empty"}),
     "abscissae": (lambda s, v: s.model.table("e", v, [1, 2]), {"pair"}),
     "flag": (lambda s, v: s.model.table("e", [0, 1, 2], [0, 1, 0], v), {"true"}),
