@@ -139,10 +139,13 @@ def with_both_sides(result: "Result") -> "Result":
         return result
     changes = [one.time for one in result.reconnections]
     besides = np.array([*changes, *np.nextafter(changes, np.inf)])
-    if result.analysis != "simulation" and len(k := _changes(modes)):
-        for _ in range(_ROUNDS):
+    if result.analysis != "simulation":
+        k = _changes(modes)
+        for _ in range(_ROUNDS if len(k) else 0):
             t = np.unique(np.linspace(t[k], t[k + 1], _PARTS + 1))
             k = _changes(_sampled(result, motion, t, t).samples.modes)
+            if not len(k):  # a sample lies at the change, but for rounding
+                break
         besides = np.concatenate([t[k], t[k + 1]])
     if not len(besides) and not result.events:
         return result
