@@ -1,9 +1,9 @@
 """Effect ranking: the scene in full, then without each effect in turn, compared and timed.
 
 Each scene is run twice, the second time with tolerances a hundred times tighter and samples twice
-as dense. Quantities that jump at an event are sampled on both sides of it, nearer to it in the
-second run. A position of equilibrium is searched for a second time from a point close to it. The
-difference of the two answers is the uncertainty of the second.
+as dense; a function of a result sees both sides of each event. A position of equilibrium is
+searched for a second time from a point close to it. The difference of the two answers is the
+uncertainty of the second.
 """
 
 import math
@@ -20,10 +20,11 @@ from codegen.readers import arguments as readers
 from runtime.machine_facade import Machine
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.mechanism import Values
+from runtime.results.motion_at_instants import with_both_sides
 from runtime.results.result import Result
 from runtime.studies import harness
 from runtime.studies.harness import LEFT_OUT, Place, Report
-from runtime.studies.quantity import Function, Quantity, QuantityValue, jumps, parse_quantity
+from runtime.studies.quantity import Function, Quantity, QuantityValue, parse_quantity
 from runtime.studies.ranking import Costs, Matters, Proposal, Row, Verdict
 from runtime.validation.arguments import KINDS
 
@@ -32,12 +33,10 @@ if TYPE_CHECKING:
     from codegen.reading.scene_selection import Variant
 
 COARSER = 100.0  # accuracy: ratio of the tolerances of the two runs
-NONE = np.zeros(0)
 LEAST_RTOL = 1e-13  # accuracy: tightest rtol of the second run
 LEAST_ROUNDS = 5  # measured: rounds of timed runs, unless these are long
 SECONDS = 3.0  # measured: processor time for all rounds
 STILL = 1e-9  # accuracy: share of the full scene's motion below which nothing moves
-_BESIDE_EVENT = 1e-7  # accuracy: share of the run between an event and the samples beside it
 _PERTURBATION = 1e-4  # accuracy: relative offset from which an equilibrium is searched for again
 _ROUNDING = 1e-12  # accuracy: least relative uncertainty, however well two runs agree
 
@@ -180,12 +179,9 @@ class Plan:
             raise LinkwrightError(f"{result.description.title}: {result.message}")
         return result
 
-    def instants(self, count: int, events: FloatArray = NONE, beside: float = 0.0) -> FloatArray:
-        """Equally spaced instants, and those before and after events by a share of the run."""
-        first, last = self.t_start, self.t_end
-        step = beside * (last - first)
-        every = np.concatenate([np.linspace(first, last, count), events - step, events + step])
-        return np.unique(np.clip(every, first, last))
+    def instants(self, count: int) -> FloatArray:
+        """Equally spaced instants of the run."""
+        return np.linspace(self.t_start, self.t_end, count)
 
     def trial(self, machine: Machine) -> "Trial":
         """Run a scene twice; LinkwrightError if it fails, or has no such quantity."""
@@ -194,12 +190,12 @@ class Plan:
             given = {x: self.words.get(x) for x in ("parameters", "guess", "start")}
             begin = machine.assemble(**given, t=self.t_start if simulated else 0.0)
             freedom = begin.degrees_of_freedom
-        rough, fine = self._run_twice(machine)
-        first, second = self.quantity.read(rough), self.quantity.read(fine)
+        runs, sides = self._run_twice(machine), bool(self.quantity.function)
+        first, second = (self.quantity.read(with_both_sides(x) if sides else x) for x in runs)
         least = max(_ROUNDING, self.rtol if simulated else 0.0)
         doubt = abs(second.value - first.value) + least * max(abs(second.value), second.scale)
         again = partial(self.run, machine, self.rtol, self.instants(self.points))
-        return Trial(fine, second, doubt, freedom, lambda: harness.processor_time(again)[1])
+        return Trial(runs[1], second, doubt, freedom, lambda: harness.processor_time(again)[1])
 
     def _run_twice(self, machine: Machine) -> tuple[Result, Result]:
         """The run for comparison, and the run from which the quantity is taken."""
@@ -211,11 +207,7 @@ class Plan:
             return rough, self.run(
                 machine, rtol, instants, guess={**self.words.get("guess", {}), **near}
             )
-        events = jumps(rough) if self.analysis == "simulate" else NONE
-        if len(events):
-            rough = self.run(machine, rtol, self.instants(self.points, events, 4.0 * _BESIDE_EVENT))
-        dense = self.instants(2 * self.points - 1, events, _BESIDE_EVENT)
-        return rough, self.run(machine, self.rtol, dense)
+        return rough, self.run(machine, self.rtol, self.instants(2 * self.points - 1))
 
 
 @dataclass(eq=False)

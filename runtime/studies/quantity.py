@@ -213,12 +213,6 @@ def _reduce(quantity: Quantity, result: Result) -> QuantityValue:
     return QuantityValue(value + 0.0, reduction.unit.format(unit), float(np.abs(x).max()))
 
 
-def jumps(result: Result) -> FloatArray:
-    """Instants at which series may jump, s: of events, and where joints come and go."""
-    changes = (change.time for change in result.reconnections)
-    return np.array([*(event.time for event in result.events), *changes])
-
-
 def _changes(description: Description, effect: str) -> bool:
     """Whether its events are the coming and going of a joint or condition; refuse one without."""
     rows = [row for row in description.watched if row.action != "sample"]
