@@ -246,13 +246,10 @@ def fitting_units(own: dict[str, str], unit: Any) -> dict[str, str]:
     shown = {n: next((u for u in units if converts(of, u)), of) for n, of in own.items()}
     for wanted in units:
         if wanted not in shown.values():
-            if taken := [name for name, of in own.items() if converts(of, wanted)]:
-                raise InputError(
-                    f"unit {wanted!r} is never used: {taken[0]} takes {shown[taken[0]]!r}, the "
-                    "first unit that fits it. Leave one of them out."
-                )
             known = ", ".join(f"{name} ({of or 1})" for name, of in own.items())
-            raise InputError(f"unit {wanted!r} fits none of {known}; leave it out.")
+            fits = any(converts(of, wanted) for of in own.values())
+            why = "comes after another that fits the same of" if fits else "fits none of"
+            raise InputError(f"unit {wanted!r} {why} {known}; leave it out.")
     return shown
 
 

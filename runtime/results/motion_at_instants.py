@@ -22,8 +22,7 @@ Side = Literal["before", "after"]
 # accuracy: units of rounding of a run's times; the two sides of a kink are 32 of them apart
 _CLOSE = 40.0
 _SHOWN = 6  # layout: instants that a message names
-_PARTS = 9  # measured: of an interval in which a mode changes, in each round
-_ROUNDS = 8  # accuracy: after which the change is known to 2e-8 of the interval
+_NARROW = 1e-12  # accuracy: of a run's time, the interval in which a mode is known to change
 
 
 class Sampling(NamedTuple):
@@ -130,32 +129,23 @@ def resampled(result: "Result", how: Sampling, besides: FloatArray | None = None
 
 
 def with_both_sides(result: "Result") -> "Result":
-    """A result with its own instants and both sides of its events, and of changes of modes.
-
-    Modes of driven motions may change between two samples, without an event that is located.
-    """
-    motion, t, modes = result._motion, result.instants_of_states, result.samples.modes
+    """A result with both sides of events, and of modes that change without in driven motions."""
+    motion, t, found = result._motion, result.instants_of_states, result
     if motion is None or len(t) < 2:
         return result
-    changes = [one.time for one in result.reconnections]
+    changes, narrow = [one.time for one in result.reconnections], _NARROW * np.abs(t).max()
     besides = np.array([*changes, *np.nextafter(changes, np.inf)])
-    if result.analysis != "simulation":
-        k = _changes(modes)
-        for _ in range(_ROUNDS if len(k) else 0):
-            t = np.unique(np.linspace(t[k], t[k + 1], _PARTS + 1))
-            k = _changes(_sampled(result, motion, t, t).samples.modes)
-            if not len(k):  # a sample lies at the change, but for rounding
-                break
+    while result.analysis != "simulation":
+        (k,) = np.nonzero(np.diff(found.samples.modes, axis=0).any(axis=1))
         besides = np.concatenate([t[k], t[k + 1]])
+        if not (t[k + 1] - t[k] > narrow).any():
+            break
+        t = np.unique(np.linspace(t[k], t[k + 1], 10))
+        found = _sampled(result, motion, t, t)
     if not len(besides) and not result.events:
         return result
     every = Sampling(a_step=0, least=0, most=sys.maxsize, events=sys.maxsize, patience=np.inf)
     return resampled(result, every, besides)
-
-
-def _changes(modes: npt.NDArray[np.int64]) -> npt.NDArray[np.intp]:
-    """The samples behind which a mode changes."""
-    return np.flatnonzero((np.diff(modes, axis=0) != 0).any(axis=1))
 
 
 def _sampled(result: "Result", motion: Motion, times: FloatArray, moved: FloatArray) -> "Result":

@@ -51,13 +51,13 @@ def largest(series: Series) -> float:
         return float(x[k])
     first = k - 1 if k < 2 or series.jumps(slice(k - 2, k + 1)) else k - 2
     end = k + 2 if k > len(x) - 3 or series.jumps(slice(k, k + 3)) else k + 3
-    slopes = np.diff(x[first:end]) / np.diff(t[first:end])
+    steps = np.diff(t[first:end])
+    slopes = np.diff(x[first:end]) / steps
     bends = np.diff(slopes) / (t[first + 2 : end] - t[first : end - 2])  # half of x''
     j = k - 1 - first
     if len(bends) < 2 or not (bends < _ALIKE * bends[j]).all() or bends[j] >= 0.0:
         return float(x[k])
-    before, after = t[k] - t[k - 1], t[k + 1] - t[k]
-    slope = (slopes[j] * after + slopes[j + 1] * before) / (before + after)
+    slope = np.average(slopes[j : j + 2], weights=steps[j : j + 2][::-1])  # of the parabola
     return float(x[k] - slope * slope / (4.0 * bends[j]))
 
 

@@ -195,7 +195,7 @@ def test_plots_in_units(result: Result) -> None:
     why = r"unit 'kg' fits none of bob.x \(m\), bob.phi \(rad\); leave it out"
     with pytest.raises(InputError, match=why):
         result.plot("bob.x", "bob.phi", unit=("mm", "kg"))
-    why = "unit 'm' is never used: bob.x takes 'mm', the first unit that fits it"
+    why = "unit 'm' comes after another that fits the same of bob.x .*; leave it out"
     with pytest.raises(InputError, match=why):
         result.table("bob.x", "bob.y", unit=("mm", "m"))
     assert result.draw("0 s").axes
