@@ -287,8 +287,8 @@ class Constraints(Declarations):
     def cam_follower(self, name: str, cam: Curve, follower: Curve) -> CamFollower:
         """Two closed profiles touch; a roller is ``body.circle(radius)``.
 
-        A scene without values of ``joint.alpha`` and ``joint.beta`` begins with the contact from
-        outside; for a roller inside a ring, give guesses of both.
+        If a scene has no values of ``joint.alpha`` and ``joint.beta``, the follower begins outside
+        the cam; for a roller inside a ring, give guesses of both.
         """
         curves = (self._curve(name, curve, closed=True) for curve in (cam, follower))
         return self._declare(CamFollower(name, *curves))

@@ -184,7 +184,7 @@ def _reaction(
         ux, uy = map(short, reaction.direction)
         yield aligned([("u_x", ux), ("u_y", uy)])
     else:
-        yield "The force or torque along the quantity that each equation prescribes:"
+        yield "For each equation, the force (of a length) or torque (of an angle) that keeps it:"
     components = []
     for name, unit, e in terms.reactions:
         brackets = rf"\;[\mathrm{{{unit}}}]".replace(" ", r"\,") if unit else ""

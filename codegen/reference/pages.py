@@ -102,7 +102,7 @@ LISTS = ("Attributes", "Parameters", "Raises", "Returns")
 
 COST = """## Cost
 
-Operations of the example's kernels for the element, where equal ones count once:
+How many operations the element adds to each kernel of the example; equal ones count once:
 
 | kernel | operations |
 |---|--:|"""

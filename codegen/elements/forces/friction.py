@@ -197,9 +197,9 @@ class JointFriction(Coulomb):
 
     At ṡ = 0 the friction is the force that keeps the joint at rest, up to μ_s N. A change of sign
     of ṡ is an event of a run. At the event the run finds the stiction force and the reaction that
-    belongs to it. The joint sticks if the force is within the limit of that reaction, even if it
-    would jam in sliding to one side. If a condition or another friction changes with the same slip,
-    the force is found between the forces of sliding to either side.
+    belongs to it. The joint sticks if the force is within the limit that this reaction allows, even
+    if the joint would jam in sliding to one side. If another friction or a condition depends on the
+    same slip, the stiction force is sought between the forces of sliding to either side.
 
     A joint that sticks reports its `force` (a revolute joint its `torque`), N as `normal`, and the
     `limit`, μ_s N or μ_s R N.

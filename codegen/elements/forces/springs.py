@@ -213,7 +213,7 @@ class Bushing(Springs):
     Forces -k s - c ṡ along the displacements s = (A_iᵀ d, φ_j - φ_i - θ0), d = r_j^P - r_i^P.
 
     The springs have the potential V = Σ k s² / 2; the dampers are forces. The axes turn with body
-    i, so a displaced bushing exerts a moment on body i. This too follows from s.
+    i, so a displaced bushing exerts a moment on body i, since s contains φ_i.
     """
 
     kind = "bushing"

@@ -88,11 +88,11 @@ class CamFollower(Constraint):
     The contact points coincide, along c_i' and across it, and the tangents are parallel.
 
     With d = A_iᵀ (r_j + A_j c_j(β) - r_i) - c_i(α) the equations are c_i'ᵀ d = 0, c_i'⊥ᵀ d = 0 and
-    c_i'⊥ᵀ A_iᵀ A_j c_j' = 0. Each is divided by a typical |c_i'|, the last by |c_j'| too: they are
-    nearly two lengths and an angle. The parameters α and β at the contact are the joint's own
-    coordinates. The first equation determines α; the last one determines β where the curvatures of
-    the two curves differ. The reaction acts at the contact. Its y axis is the normal to the left of
-    the direction in which α grows.
+    c_i'⊥ᵀ A_iᵀ A_j c_j' = 0. Each is divided by a typical |c_i'|, the third by |c_j'| too: the
+    first two are nearly lengths in m, the third nearly an angle in rad. The parameters α and β at
+    the contact are the joint's own coordinates. The first equation determines α; the third one
+    determines β where the curvatures of the two curves differ. The reaction acts at the contact.
+    The y axis of the reaction is the normal to the left of the direction in which α grows.
     """
 
     kind = "cam and follower"

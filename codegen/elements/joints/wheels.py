@@ -310,8 +310,8 @@ class Belt(Pulleys, Constraint):
 
     The reaction is the force of the belt along the rim of pulley j, N: the difference of its
     tensions. R_j times this force turns pulley j, and R_i times this force holds pulley i back. The
-    belt is never slack. The sum of its tensions draws the bearings together; the carrier bears it,
-    and it is not modelled.
+    belt is never slack. Both tensions together pull the bearings towards each other; the carrier
+    takes this load, which the model does not compute.
     """
 
     kind = "belt"
