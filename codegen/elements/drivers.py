@@ -122,9 +122,9 @@ class RelativeDriver(Driver):
 
     x_j^P - x_i^P - C(t) = 0, y_j^P - y_i^P - C(t) = 0 or φ_j - φ_i - C(t) = 0, in global axes.
 
-    With φ it is the revolute-rotational driver: the motor in a revolute joint. The reaction is the
-    force on body j at its point, along the global axis, N, or the torque on body j, N m. The
-    opposite acts on body i.
+    With φ this is the revolute-rotational driver: the motor in a revolute joint. The reaction is
+    the force on body j at its point, along the global axis, N, or the torque on body j, N m. The
+    opposite force or torque acts on body i.
     """
 
     kind = "relative driver"
@@ -153,7 +153,7 @@ class TranslationDriver(Driver):
 
     u_iᵀ d_ij - C(t) = 0: how far point j is ahead of point i along an axis of body i.
 
-    It drives a translational joint between the two points; any other joint may hold them instead. C
+    It drives a translational joint between the points, which another joint may hold instead. C
     may pass through 0. The reaction is the force on body j along the axis, N; the opposite force
     acts on body i on the same line of action.
     """

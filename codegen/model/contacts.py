@@ -135,7 +135,7 @@ class Contacts(Declarations):
         exponent: Any = 1.5, damping: Any = 0, coefficient: Any = 0, creep: Any = None,
         radius: Any = 0,
     ) -> Effect:  # fmt: skip
-        """A revolute joint with clearance: a journal is free in its bearing until it touches it.
+        """A revolute joint with clearance: its journal is free until it touches the bearing.
 
         Parameters
         ----------

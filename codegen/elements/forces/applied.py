@@ -165,7 +165,7 @@ class AppliedTorque(Effect):
 
     A torque about the axis normal to the plane, counter-clockwise positive.
 
-    If another body, `from_`, exerts the torque, the opposite torque acts on it: rotor and stator.
+    If another body, `from_`, exerts the torque, the opposite acts on that body: rotor and stator.
     """
 
     kind = "torque"

@@ -1,4 +1,4 @@
-"""Revolute joint with clearance: a journal that is free in its bearing until it touches it."""
+"""Revolute joint with clearance: a journal is free in its bearing until it touches the wall."""
 
 from typing import Any
 
@@ -25,7 +25,7 @@ class ClearanceJoint(Effect):
 
     f = K δⁿ (1 + χ δ̇) while the eccentricity e exceeds the clearance c, with δ = e - c.
 
-    e is the distance of the journal's centre j from that of the bearing i. Inside the clearance
+    e is the distance of the journal's centre j from the bearing's centre i. Inside the clearance
     nothing acts, so that e = 0, where e has no direction, is harmless; contact and its end are
     events of a run. K δⁿ is Hertz' law for n = 3/2. χ is the damping of Hunt and Crossley (1975);
     Lankarani and Nikravesh (1990) give it for a restitution ε at an impact of speed v as χ = 3 (1 -
@@ -33,7 +33,7 @@ class ClearanceJoint(Effect):
     surfaces parted faster than 1/χ; after such an impact they part more slowly.
 
     The friction -μ f tanh(v_t/v_c) acts at the contact, at the journal's radius R from its centre.
-    It opposes the speed v_t along the bearing's wall; below the speed v_c the contact creeps (P.
+    Friction opposes the speed v_t along the bearing's wall; below v_c the contact creeps (P.
     Flores, J. Ambrósio, J. C. P. Claro, H. M. Lankarani: Kinematics and Dynamics of Multibody
     Systems with Imperfect Joints, Springer 2008).
     """

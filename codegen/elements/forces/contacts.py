@@ -128,7 +128,7 @@ class GapSprings(Springs):
 class Contact(GapSprings):
     """Two bodies touch and push each other elastically while the gap between them is closed.
 
-    f = k g + c ġ along the gap g while g < 0, and no force while it is not (Haug 8.4.2).
+    f = k g + c ġ along the gap g while g < 0, and no force otherwise (Haug 8.4.2).
 
     The switching is located: g = 0 is an event of a run, and between events every step is smooth.
     The spring has the potential V = k g² / 2 while g < 0; the damper is a force. With damping the

@@ -66,7 +66,7 @@ class OneWayClutch(measures.TurnMeasures, Effect):
 
     w = ω_j - ω_i ≥ 0, T ≥ 0, T w = 0: a torque T on the driven body j, -T on the driver i.
 
-    If the driven body is faster, it overruns and nothing acts. If both have one speed, the clutch
+    If the driven body is faster, the clutch overruns and nothing acts. If both have one speed, it
     grips: it exerts the torque T ≥ 0 that keeps them together, and overruns where T would be
     negative. Both changes are events of a run. If w < 0 at the start, or after an impact elsewhere,
     the clutch has an impact, w⁺ = 0, in which the joints hold. An overrunning clutch has no drag,
@@ -75,7 +75,7 @@ class OneWayClutch(measures.TurnMeasures, Effect):
     With a capacity T_c the clutch slips: T is at most T_c, and equals T_c while the driver is
     faster.
 
-    In mode 1 it overruns. In mode 0 the kernels exert a typical torque, from the inertias.
+    In mode 1 the clutch overruns. In mode 0 the kernels exert a typical torque, from the inertias.
     Accelerations are linear in the torque, so that a run finds the multiple that keeps w at zero.
     """
 
@@ -132,7 +132,7 @@ class ElasticBelt(Pulleys, GapSprings):
     nor does one whose damper would push. Both changes are events of a run.
 
     R_j times the difference of the tensions turns pulley j back, and R_i times the difference turns
-    pulley i. The sum of the tensions loads the carrier and is not modelled; nor are creep and slip.
+    pulley i. The sum of the tensions loads the carrier. This load, creep and slip are not modelled.
     """
 
     kind = "elastic belt"

@@ -49,8 +49,8 @@ class Translational(Constraint):
     The line through point i along `axis` of body i carries point j; the bodies keep their angle.
 
     Haug (3.3.13) states parallelism by a cross product, v_i⊥ᵀ v_j = 0, which also holds when the
-    slider is turned by π. Here the second equation is φ_j - φ_i = const. Its Jacobian is constant,
-    that of Haug up to a factor, and it has only the solution that is meant.
+    slider is turned by π. Here the second equation is φ_j - φ_i = const. The Jacobian is constant
+    and equals Haug's up to a factor, and the equation has only the solution that is meant.
     """
 
     kind = "translational"
@@ -79,8 +79,8 @@ class RevoluteTranslational(Constraint):
 
     This is a massless slide block between a guide (body i) and a pin (point j of body j). The
     reaction's x axis points along the line. The guide pushes across the line, so `fx` and `torque`
-    are 0. `instead_of` names the body that the joint stands for: it acts in the scenes that leave
-    this body out.
+    are 0. `instead_of` names the body that the joint replaces: the joint acts in the scenes that
+    leave this body out.
     """
 
     kind = "revolute-translational"

@@ -54,12 +54,12 @@ class Gear(Constraint):
 
         θ = θ_0 + (R_i φ_i + R_j φ_j) / (R_i + R_j),
 
-    and the equation says that the line of centres has this angle. It is smooth, and holds on a
-    carrier that turns, through any number of turns. An internal gear has a negative radius and the
-    same formula. `line` θ_0 is the angle of the line from centre i to centre j, rad, at which the
+    and the equation says that the line of centres has this angle. The equation is smooth, and holds
+    on a carrier that turns, through any number of turns. An internal gear has a negative radius and
+    the same formula. `line` θ_0 is the angle of the line from centre i to centre j, rad, at which the
     teeth mesh with φ_i = φ_j = 0. With None, θ_0 is the angle at which the bearings hold the
     centres while their carrier is at φ = 0; without bearings it is 0. Both θ and θ + π satisfy the
-    equation, so assembly starts nearer to the one that is meant.
+    equation, so assembly starts nearer to the angle that is meant.
 
     Bearings or a carrier keep the gears' centres apart, not this joint. The reaction acts from gear
     i on gear j, at the centre of j, with x along the line of centres: `fy` is the tangential force
