@@ -56,8 +56,8 @@ class Gear(Constraint):
 
     and the equation says that the line of centres has this angle. The equation is smooth, and holds
     on a carrier that turns, through any number of turns. An internal gear has a negative radius and
-    the same formula. `line` θ_0 is the angle of the line from centre i to centre j, rad, at which the
-    teeth mesh with φ_i = φ_j = 0. With None, θ_0 is the angle at which the bearings hold the
+    the same formula. `line` θ_0 is the angle of the line from centre i to centre j, rad, at which
+    the teeth mesh with φ_i = φ_j = 0. With None, θ_0 is the angle at which the bearings hold the
     centres while their carrier is at φ = 0; without bearings it is 0. Both θ and θ + π satisfy the
     equation, so assembly starts nearer to the angle that is meant.
 
