@@ -52,6 +52,32 @@ def test_the_crank_follows_the_pointer_round_and_back(turned: Any) -> None:
     assert page.evaluate(TIME) == pytest.approx(now)
 
 
+@pytest.mark.parametrize(("turns", "back"), [(1.0, 0.875), (0.9, 0.0)])
+def test_a_closed_motion_goes_round_through_its_ends(
+    show: Open, tmp_path: Path, turns: float, back: float
+) -> None:
+    """A page opens at t = 0: from there a crank of whole turns goes either way, and on and on."""
+    t = np.linspace(0.0, 1.0, 201)
+    path = page_of(tmp_path / "crank.html", crank_pictures(t, 2 * np.pi * turns * t), driven=True)
+    page = show(path)
+    center, pin = np.array(at(page, 0, 0.0)), np.array(at(page, 1, -0.05))
+    page.mouse.move(*pin)
+    page.mouse.down()
+
+    def turn(angle: float) -> float:
+        c, s = np.cos(angle), np.sin(angle)
+        page.mouse.move(*(center + np.array([[c, s], [-s, c]]) @ (pin - center)))
+        return float(page.evaluate(TIME))
+
+    for k in range(-1, -9, -1):
+        now = turn(k * np.pi / 32)
+    assert now == pytest.approx(back, abs=2e-3)
+    for k in range(-7, 81):
+        now = turn(k * np.pi / 32)
+    assert now == pytest.approx(0.25 if turns == 1.0 else 1.0, abs=2e-3)
+    page.mouse.up()
+
+
 def test_the_slider_carries_the_crank_through_its_dead_centre(turned: Any) -> None:
     """The slider is farthest to the left half a turn after it was farthest to the right."""
     page = turned
