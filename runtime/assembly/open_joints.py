@@ -32,7 +32,15 @@ def why_open(task: Task, start: Start, q: FloatArray, drivers: BoolArray) -> Ass
     released = task._replace(free=np.ones_like(task.free))
     if start.fixed_q.any() and close(released, start.q).closed:
         names = [(row.name, row.unit) for row in description.coordinates]
-        fault = f"values contradict the joints at t = {task.t:g} s"
+        rows, columns = description.jacobian_rows, description.jacobian_columns
+        settled = np.isin(np.arange(len(phi)), rows[~start.fixed_q[columns]], invert=True)
+        if (settled & (np.abs(phi) > CLOSED)).any():  # an open row that no guess enters
+            fault = f"values contradict the joints at t = {task.t:g} s"
+        else:
+            fault = (
+                f"values leave joints open at t = {task.t:g} s from these guesses, and nearer "
+                "guesses may close them"
+            )
         return contradiction(task, fault, names, start.q, start.fixed_q, gaps)
     if drivers.any():
         joints = close(released._replace(rows=~drivers), start.q)

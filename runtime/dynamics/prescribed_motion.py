@@ -112,7 +112,7 @@ def kinematics(
 def _without_forces(equations: Equations, samples: Samples) -> str:
     """A sentence on forces that are no numbers; accelerations then follow from the constraints."""
     lost = np.isnan(samples.a.sum(axis=1))
-    for k in np.flatnonzero(lost):
+    for k in np.flatnonzero(lost & np.isfinite(samples.v).all(axis=1)):  # a lock-up has no v
         t, q, v = float(samples.t[k]), samples.q[k], samples.v[k]
         if equations.motion(t, q, v, samples.modes[k] % 2)[2] == 0:
             gamma, lost[k] = equations.acceleration_rhs(t, q, v), False
@@ -122,8 +122,8 @@ def _without_forces(equations: Equations, samples: Samples) -> str:
     if not len(without):
         return ""
     return (
-        f" From t = {without[0]:.6g} s on forces, reactions or energies are no numbers, of which "
-        "kinematics makes no use; inverse_dynamics names the effect."
+        f" From t = {without[0]:.6g} s on some forces, reactions or energies are not numbers; the "
+        "motion does not depend on them. inverse_dynamics says where they come from."
     )
 
 

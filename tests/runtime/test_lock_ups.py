@@ -1,11 +1,13 @@
 """Runs that end at a lock-up of partly driven machines, or where friction jams: by that name."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from codegen import Model
+from codegen import t as time
 from runtime import load
 from runtime.core.outcomes import Outcome, Site
 from runtime.dynamics.checks.jamming import blocking_rows
@@ -161,3 +163,26 @@ def test_a_run_beyond_all_numbers_ends_by_name(tmp_path: Path) -> None:
     run = load(model, folder=tmp_path).simulate(1e300)
     assert run.outcome is Outcome.STEP_TOO_SMALL
     assert run.site in (Site.ENDLESS_STEPS.of(""), Site.SHORTEST_STEP.of(""))
+
+
+def test_a_lock_up_without_masses_speaks_of_no_forces(tmp_path: Path) -> None:
+    """Peaucellier's linkage turned to its end: only velocities are lost in its last position."""
+    model = Model("peaucellier")
+    arms = [model.body(f"arm{k}") for k in (0, 1)]
+    inner, outer = ([model.body(f"{word}{k}") for k in (0, 1)] for word in ("inner", "outer"))
+    crank = model.body("crank")
+    model.revolute("C", model.ground.at(0.35, 0), crank)
+    model.revolute("Q", outer[0], outer[1])
+    guess: dict[Any, float] = {}
+    for k, sign in enumerate((1, -1)):
+        model.revolute(f"O{k}", model.ground, arms[k])
+        model.revolute(f"P{k}", crank.at(0.35, 0), inner[k])
+        model.revolute(f"A{k}", inner[k].at(0.45, 0), arms[k].at(1, 0))
+        model.revolute(f"B{k}", outer[k].at(0.45, 0), arms[k].at(1, 0))
+        guess |= {arms[k].phi: 0.4 * sign, inner[k].phi: sign, outer[k].phi: 2 * sign}
+    model.driver("motor", crank.phi, time)
+    model.scene("turn", drivers=["motor"], analysis="kinematics", guess=guess)
+    run = load(model, folder=tmp_path).kinematics(2.0)
+    assert run.outcome is Outcome.LOCKED
+    assert run.t[-1] == pytest.approx(2 * np.arccos(0.55 / 0.7), abs=2e-5)
+    assert "forces" not in run.message

@@ -188,7 +188,7 @@ def test_kinematics_asks_for_no_table_of_forces(tmp_path: Path) -> None:
     assert run.outcome is Outcome.OK
     assert_allclose(run.q("arm.phi"), 2 * run.t)
     assert_allclose(run.a("arm.phi"), 0.0, atol=1e-12)
-    assert "From t = 1.6 s on forces, reactions or energies are no numbers" in run.message
+    assert "From t = 1.6 s on some forces, reactions or energies are not numbers" in run.message
 
 
 def test_constraint_that_leaves_its_table_says_so(tmp_path: Path) -> None:
