@@ -179,12 +179,13 @@ def _hubs(joints: list[Element]) -> Hubs:
 
 
 def _reaction(element: Any) -> Iterator[Shape]:
-    """The axes of a joint's reaction, and where it acts, on the second body."""
-    statement, bodies = statement_of(element), element.bodies
-    reaction = statement.reaction
-    if not isinstance(reaction, JointReaction) or len(bodies) < 2:
+    """The axes of a joint's reaction, and where it acts, on the body that it is told of."""
+    statement, reaction = statement_of(element), statement_of(element).reaction
+    if not isinstance(reaction, JointReaction) or len(element.bodies) < 2:
         return
     frame = reaction.on
+    on, by = sorted(element.bodies[:2], key=lambda b: b.position[0] != statement.bindings[frame.x])
+    on, by = (on, by)[:: reaction.sign]
     at = frame.point if reaction.arm is None else frame.r + reaction.arm
     x, y, ux, uy = (Scoped(e, statement.bindings) for e in (*at, *reaction.direction))
-    yield shapes.Reaction(bodies[0], bodies[1], x, y, ux, uy)
+    yield shapes.Reaction(by, on, x, y, ux, uy)

@@ -32,7 +32,7 @@ class Driver(Constraint):
 
 
 def _drive(
-    i: Point | None, at: Point | Body, letter: str, axis: Axis | None = None
+    i: Point | Body | None, at: Point | Body, letter: str, axis: Axis | None = None
 ) -> shapes.Shapes:
     """An arrow along an axis or a coordinate, straight or round."""
     ux, uy = axis or (int(letter == "x"), int(letter == "y"))
@@ -143,7 +143,9 @@ class RelativeDriver(Driver):
         return Statement(phi, (self.letter,), reaction, I.bind(self.i) | J.bind(self.j))
 
     def shapes(self) -> shapes.Shapes:
-        """An arrow at the point of body j, straight or round."""
+        """An arrow at the point of body j, straight, or round; of bodies about their pin."""
+        if self.letter == "phi" and self.j.place == (0, 0):
+            return _drive(self.i.body, self.j.body, self.letter)
         return _drive(None, self.j, self.letter)
 
 

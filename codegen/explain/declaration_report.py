@@ -19,6 +19,7 @@ from codegen.errors import InputError, LinkwrightError
 from codegen.generated_files.generated_file import Clock, Progress
 from codegen.lower.lowered_scene import Lowered
 from codegen.model import Model
+from codegen.model.base import TRACKED
 from codegen.reading.model_file import read_model
 from codegen.reading.scene_selection import valid_scenes, with_settings, without_overridden
 
@@ -162,7 +163,8 @@ def _unused(model: Model, scenes: Sequence[SceneFacts]) -> dict[str, tuple[str, 
     of_kinds: dict[str, tuple[Iterable[str], Sequence[Iterable[str]]]] = {
         "bodies": (model.bodies, [set(model.bodies) - {*scene.bodies} for scene in scenes]),
         "joints": (model.joints, left_out),
-        "effects": (model.effects, left_out),
+        # Pages draw the paths of points also where no scene has them as outputs.
+        "effects": ((n for n, e in model.effects.items() if e.kind != TRACKED), left_out),
         "drivers": (model.drivers, left_out),
         "parameters": (model.parameters, [scene.unused_parameters for scene in scenes]),
         "labels": (model.labels.values(), [scene.unused_labels for scene in scenes]),

@@ -33,6 +33,7 @@ def linkage(crank: float = 1.0, rocker_end: float = 1.25, closed: bool = True) -
     model.torque("push", on=bars["crank"], value=3.0)
     model.driver("motor", bars["crank"].phi, speed * t)
     model.driver("other", bars["rocker"].phi, t)
+    model.track("tip", bars["rocker"].at(0.5, 0))  # a page shows its path: used
     model.scene("free", ["gravity"], start={"crank.phi": 0.0}, guess=DRAWN)
     model.scene("driven", drivers=["motor"], guess=DRAWN)
     return model

@@ -69,15 +69,19 @@ def balance(q: np.ndarray, forces: np.ndarray) -> np.ndarray:
 
 
 def fitting(kind: str, seed: int) -> State:
-    """A random state at which the element's equations and their rates hold, by Newton's method."""
-    made = machine(kind)
+    """A random state at which the element's equations and their rates hold."""
+    return fitting_state(machine(kind), seed)
+
+
+def fitting_state(made: Interpreted, seed: int) -> State:
+    """A random state at which the constraints and their rates hold, by Newton's method."""
     for attempt in range(20):
         s = made.state(1000 * seed + attempt)
         for _ in range(30):
             s = made.corrected(s) if made.m else s
         if np.abs(made.vector("constraints", s)).max(initial=0.0) < 1e-13:
             return s
-    raise AssertionError(f"{kind} does not close from any of 20 random states")
+    raise AssertionError("no constraints close from any of 20 random states")
 
 
 def multipliers(kind: str, seed: int) -> np.ndarray:
