@@ -17,8 +17,9 @@ PAGE = Path(__file__).resolve().parent / "reference" / "command-line.md"
 
 HEAD = """# The command line
 
-`linkwright` is the one command of the project. `docs/make_command_line.py` makes this page from its
-parser, and `make check` compares them. `linkwright COMMAND --help` shows the same in a terminal.
+`linkwright` is the one command of the project. `docs/make_command_line.py` makes this page from the
+command's parser, and `make check` compares the page with the parser. `linkwright COMMAND --help`
+shows the same in a terminal.
 
 Results go to stdout, messages and progress to stderr. With `--json`, stdout holds one object.
 
@@ -29,12 +30,12 @@ Results go to stdout, messages and progress to stderr. With `--json`, stdout hol
 | 2 | the input is wrong; every problem is on a line of stderr that begins with `error:` |
 | 128 + n | stopped by signal n: 129 SIGHUP, 130 SIGINT, 143 SIGTERM |
 
-MODEL is the path of a model file, or the name of one in a folder `models`, of the working folder or
-of the library. Where it is left out, the only model file of the working folder is taken.
+MODEL is the path of a model file, or the name of a file in the folder `models` of the working
+folder or of the library. Without MODEL, the only model file of the working folder is taken.
 
 `linkwright --install-completion` installs the completion of words for the shell at hand, bash, zsh,
 fish or PowerShell: commands, options, models, scenes, parameters, coordinates, methods and kinds of
-elements. Names of a model come from the text of its file, which is not executed for it.
+elements. The names of a model are read from the text of its file; the file is not executed.
 
 The examples run in a folder with the file that `linkwright new four_bar` writes.
 """

@@ -155,7 +155,7 @@ def explain(
         "for one scene or a comparison."
     ),
     run: float | None = study(
-        None, "Also run the scene for this many seconds; its time is shared among the parts."
+        None, "Also run the scene for this many seconds; the parts share the time of the run."
     ),
     kernels: bool = output(
         False, "Also the operations of every kernel, a wide table.", "--kernels"

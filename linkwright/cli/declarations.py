@@ -240,7 +240,7 @@ def draw(
     scene: Scene = None,
     t: float | None = time(
         None,
-        "Instant in s at which the machine is assembled; unless given, its start is drawn, and "
+        "Instant in s at which the machine is assembled; without it the start is drawn, and "
         "nothing is built."
     ),
     settings: Values = None,

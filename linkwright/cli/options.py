@@ -165,7 +165,7 @@ class Request:
     model: Annotated[
         str,
         _model(
-            help=f"{_FILE} Or a case, .yaml or .json, whose values options override.",
+            help=f"{_FILE} Or a case, .yaml or .json; options override its values.",
             default_factory=str,
             callback=_model_or_case,  # which may put a case in its place
             is_eager=True,
@@ -258,7 +258,7 @@ _LOOKS: dict[str, dict[str, Any]] = {
     },
     "until": {
         "metavar": "CONDITION",
-        "text": '"NAME: SERIES > VALUE", or with <: the run ends where this begins to hold; '
+        "text": '"NAME: SERIES > VALUE", or with <: the run ends where it begins to hold; '
         "repeat for more.",
     },
     "method": {"metavar": "METHOD", "autocompletion": completion.methods},

@@ -47,8 +47,8 @@ def accuracy(
     request: Request,
     quantities: list[str] | None = quantity(
         None, "A series that is compared, such as crank.phi; repeat for more. Unless given, the "
-        "coordinates that the scene starts from, and their velocities. a.x|b.x is the one of both "
-        "that a scene has.", "--quantity"
+        "coordinates that the scene starts from, and their velocities. a.x|b.x: whichever of the "
+        "two a scene contains.", "--quantity"
     ),
     t_end: OptionalTEnd = None, t_start: MotionStart = 0.0,
     methods: list[str] | None = method(
@@ -88,7 +88,7 @@ def matters(
     asked: str = quantity(
         ...,
         "A coordinate, velocity, a(coordinate), reaction, energy or power at the end; max:, min:, "
-        "peak:, range:, mean:, rate: or period: of one; event:EFFECT, count:EFFECT.", "--quantity"
+        "peak:, range:, mean:, rate:, period: before it; event:EFFECT, count:EFFECT.", "--quantity"
     ),
     t_end: OptionalTEnd = None, t_start: MotionStart = 0.0,
     error: float | None = study(
@@ -101,7 +101,7 @@ def matters(
     method: str = method("dop853", "Integration method, as in simulate."),
     formulation: str | None = formulation(None, "cartesian or reduced, as in simulate."),
     rtol: float = integration(
-        1e-10, "Relative tolerance; a run with 100 times this is compared.", metavar="NUMBER"
+        1e-10, "Relative tolerance; a run at 100 times it checks each run.", metavar="NUMBER"
     ),
     points: int = time(1001, "Number of output instants, ends included."),
     rounds: int | None = study(None, "Timed runs of each scene; the least time counts."),
