@@ -62,8 +62,8 @@ class Scenes(SceneRequests):
         effects, drivers
             Elements that act, by name or by the object that their declaration returned.
         extends
-            A scene whose entries hold here as well: effects and drivers are added to its own; a
-            value replaces that of its name, ``{}`` all values, and outputs replace its outputs.
+            A scene whose entries hold here as well: effects and drivers are added to them; a value
+            replaces the value of its name, ``{}`` empties a mapping, and outputs replace outputs.
         without
             Bodies that take no part, with joints and effects on them; joints, effects, drivers.
         couplers
