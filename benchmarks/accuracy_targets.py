@@ -152,9 +152,7 @@ def _of_scene(
             (one for one in candidates if one.error <= accuracy), key=lambda one: one.seconds
         )
         seconds, time, setting = _in_turns(
-            partial(_simulate, machine, t_end, t, accuracy),
-            rivals[:RIVALS],
-            TURNS * repeats,
+            partial(_simulate, machine, t_end, t, accuracy), rivals[:RIVALS], TURNS * repeats
         )
         yield Row(
             model,

@@ -58,12 +58,7 @@ JOINTS = (
         joints.translational_jacobian,
         joints.translational_rhs,
     ),
-    joint(
-        "weld",
-        lambda m, i, j: m.weld("e", i, j, 0.2),
-        joints.weld_jacobian,
-        joints.weld_rhs,
-    ),
+    joint("weld", lambda m, i, j: m.weld("e", i, j, 0.2), joints.weld_jacobian, joints.weld_rhs),
     joint(
         "revolute-revolute",
         lambda m, i, j: m.revolute_revolute("e", i, j, 1.5),

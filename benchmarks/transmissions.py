@@ -37,9 +37,7 @@ TRANSMISSIONS = (
         transmissions.gear_with_backlash,
     ),
     force(
-        "stop",
-        lambda m, i, j: m.stop("e", j.body.x, -0.1, 0.3, stiffness=500),
-        transmissions.stop,
+        "stop", lambda m, i, j: m.stop("e", j.body.x, -0.1, 0.3, stiffness=500), transmissions.stop
     ),
     force(
         "clearance joint",

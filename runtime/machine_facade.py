@@ -143,11 +143,7 @@ class Machine(MachineStates):
         >>> m.simulate(10.0, np.linspace(0.0, 10.0, 1001), start={"bob.phi": 0.5})
         """
         given = locals()  # the arguments by name
-        from runtime.dynamics.connected_simulation import (
-            parameters_there,
-            scene_of_start,
-            simulate,
-        )
+        from runtime.dynamics.connected_simulation import parameters_there, scene_of_start, simulate
         from runtime.dynamics.output_conditions import read_conditions, simulate_until
 
         require_motion(self.mechanism, "simulate")

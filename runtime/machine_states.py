@@ -234,11 +234,6 @@ class MachineStates:
         dimensions, forces, frames, names
             As for `Model.draw`; forces are the applied forces. `Result.draw` draws reactions, too.
 
-        Returns
-        -------
-        Figure
-            Of Matplotlib; ``figure.savefig("machine.svg")`` saves it.
-
         Raises
         ------
         AssemblyError, InputError

@@ -295,9 +295,7 @@ SAMPLES = (
         torsion_spring,
     ),
     sample(
-        "bushing",
-        lambda m, i, j: m.bushing("e", i, j, (900, 700, 50), (8, 6, 0.4), 0.1),
-        bushing,
+        "bushing", lambda m, i, j: m.bushing("e", i, j, (900, 700, 50), (8, 6, 0.4), 0.1), bushing
     ),
     sample(
         "contact",

@@ -110,11 +110,7 @@ IMPLICIT = {
 
 
 def halved(
-    problem: Problem,
-    machine: Machine,
-    first: int,
-    sparse: bool = False,
-    newton: float = 1e-10,
+    problem: Problem, machine: Machine, first: int, sparse: bool = False, newton: float = 1e-10
 ) -> None:
     """The implicit methods over steps."""
     machine.system.Assemble()

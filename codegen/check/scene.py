@@ -12,11 +12,7 @@ from codegen.check.potential_steps import step_problems
 from codegen.declare import element as el
 from codegen.declare.element import EXERTED, QUANTITIES, label
 from codegen.declare.element_fields import ROUNDING, sampled_profile
-from codegen.declare.returned_values import (
-    effect_expressions,
-    friction_law,
-    own_coordinates,
-)
+from codegen.declare.returned_values import effect_expressions, friction_law, own_coordinates
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, Time, Velocity, kinds
 from codegen.derive.constraint_terms import constraint_terms

@@ -17,16 +17,7 @@ from codegen.drawing.guides import (
     rack_side,
     slot_ends,
 )  # fmt: skip
-from codegen.drawing.picture import (
-    BAR,
-    BLOCK,
-    BOB,
-    CHEEK,
-    PARTICLE,
-    SAME,
-    BodyPicture,
-    Picture,
-)
+from codegen.drawing.picture import BAR, BLOCK, BOB, CHEEK, PARTICLE, SAME, BodyPicture, Picture
 from codegen.drawing.plane_geometry import (
     Points,
     box,

@@ -11,14 +11,7 @@ from codegen.drawing.contacts import surfaces
 from codegen.drawing.guides import guide_of, pitch_point, rail_ends
 from codegen.drawing.lines_between_bodies import gap_of
 from codegen.drawing.picture import ARROW, PIN, ROUND_ARROW, Picture
-from codegen.drawing.plane_geometry import (
-    Points,
-    area,
-    circle,
-    contains,
-    pairs,
-    samples,
-)
+from codegen.drawing.plane_geometry import Points, area, circle, contains, pairs, samples
 from codegen.drawing.styles import LIGHT, color_of
 
 if TYPE_CHECKING:

@@ -9,16 +9,7 @@ from codegen.emit.line_wrapping import filled, literal, prose, wrap_statement
 from codegen.emit.module_functions import lookups
 from codegen.emit.statements import NOTHING, PREFIXES, Scope, Statements
 from codegen.lower.program import LOGICAL, Input, Kernel, Lookup, Output, Program
-from codegen.reroll.parts import (
-    WORK,
-    Batches,
-    Carried,
-    Entries,
-    Numbers,
-    Part,
-    RolledKernel,
-    Watch,
-)
+from codegen.reroll.parts import WORK, Batches, Carried, Entries, Numbers, Part, RolledKernel, Watch
 from codegen.reroll.sequence import Slots
 
 COUNTER, RUN = "k", "run"

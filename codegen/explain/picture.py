@@ -11,13 +11,7 @@ from codegen.errors import InputError
 from codegen.explain.ledger import Ledger, Part
 from codegen.files.whole_files import whole_file
 from codegen.object_display import html_table
-from codegen.presentation import (
-    finish_axes,
-    html_figure,
-    html_page,
-    new_figure,
-    save_figure,
-)
+from codegen.presentation import finish_axes, html_figure, html_page, new_figure, save_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -70,10 +70,7 @@ def find_model_file(model: str | Path, folder: Path | None = None, library: Path
     A name may contain folders: ``hard/pendulum`` is ``models/hard/pendulum.py``, unless there is a
     file of that path itself. The folder is the working folder unless given.
 
-    Raises
-    ------
-    ModelFileError
-        If there is none; it has the nearest names.
+    Raises ModelFileError if there is none; it has the nearest names.
     """
     given, here = Path(model), folder or Path.cwd()
     is_path = given.suffix == ".py" or given.is_absolute()

@@ -34,10 +34,7 @@ def read_arguments(
 ) -> dict[str, Any]:  # fmt: skip
     """The arguments `given` as plain values, by the reader of each name.
 
-    Raises
-    ------
-    InputError
-        One sentence for each argument that does not fit, beginning with `where`.
+    Raises InputError: one sentence for each argument that does not fit, beginning with `where`.
     """
     values, problems = {}, []
     for name, value in given.items():

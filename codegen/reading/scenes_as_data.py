@@ -22,10 +22,7 @@ def scene_of_data(model: str | Path, data: Mapping[str, Any]) -> tuple[Model, Sc
     It stands in place of a scene of the same name that the model declares. Conditions are texts,
     ``"ball.y < 0"``, and values numbers or texts with units.
 
-    Raises
-    ------
-    SceneError, ModelError
-        All problems at once.
+    Raises SceneError or ModelError: all problems at once.
     """
     declared, problems = read_model(model).model, list[str]()
     words = dict(data)

@@ -62,8 +62,7 @@ def kinematics(
 
 
 @command(
-    "linkwright inverse-dynamics four_bar.py --scene driven --t-end 1",
-    name="inverse-dynamics",
+    "linkwright inverse-dynamics four_bar.py --scene driven --t-end 1", name="inverse-dynamics"
 )
 @command("linkwright inverse four_bar.py --scene driven --t-end 1 --out torque.csv", name="inverse")
 @with_request()

@@ -207,8 +207,7 @@ def precompile(
 
 @command("linkwright methods --check")
 def methods(
-    out: Path | None = output(None, "Folder; the runtime's own by default."),
-    check: Check = False,
+    out: Path | None = output(None, "Folder; the runtime's own by default."), check: Check = False
 ) -> None:
     """Write the explicit integration methods of the runtime from their tableaus."""
     from codegen.generated_files.generated_file import write_methods

@@ -100,9 +100,7 @@ def list_models(
 
 
 @command(
-    "linkwright elements",
-    "linkwright elements revolute",
-    "linkwright elements one-way-clutch",
+    "linkwright elements", "linkwright elements revolute", "linkwright elements one-way-clutch"
 )
 def elements(
     kind: list[str] | None = typer.Argument(

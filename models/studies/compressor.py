@@ -108,10 +108,7 @@ def _equilibria() -> list[Row]:
         modes = (g > 0.0).astype(np.int64)
         stored.append(machine.kernels.potential(0.0, q, p, modes))
     work = stored[1] - stored[0]
-    return [
-        *rows,
-        Row("8.2.4", "work in a cycle, N m", work, 260439.320, 260438.0, ROUNDED),
-    ]
+    return [*rows, Row("8.2.4", "work in a cycle, N m", work, 260439.320, 260438.0, ROUNDED)]
 
 
 def _driven() -> list[Row]:

@@ -15,13 +15,7 @@ from runtime.dynamics.connected_simulation import simulate
 from runtime.dynamics.formulations import formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.simulation import run_prepared
-from runtime.integrate.problem import (
-    Formulation,
-    Options,
-    Partitions,
-    Statistics,
-    Trajectory,
-)
+from runtime.integrate.problem import Formulation, Options, Partitions, Statistics, Trajectory
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import Description

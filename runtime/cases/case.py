@@ -12,14 +12,7 @@ from codegen.readers import arguments as readers
 from codegen.readers.calls import checked_class, named_attributes
 from codegen.readers.quantities import UnitError, number_in
 from codegen.readers.values import shown
-from runtime.cases.document import (
-    Document,
-    Place,
-    plain,
-    read_document,
-    require_ending,
-    text_of,
-)
+from runtime.cases.document import Document, Place, plain, read_document, require_ending, text_of
 from runtime.cases.fields import FORMAT, analysis_of, problems_of, read_run
 from runtime.core.kinds import ANALYSES
 from runtime.mechanism.table_rows import unknown

@@ -131,9 +131,5 @@ def sources() -> dict[Path, bytes]:
 
 
 ROOMS = ("core", "linalg", "constraints", "singularity", "hybrid", "integrate")
-_OF_CONSTANTS = (
-    "assembly/joint_closing.py",
-    "results/samples.py",
-    "sweeps/ensemble_arrays.py",
-)
+_OF_CONSTANTS = ("assembly/joint_closing.py", "results/samples.py", "sweeps/ensemble_arrays.py")
 _FOLDERS = own_folders(LIBRARY / "runtime", [*sources().values()])

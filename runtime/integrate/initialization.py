@@ -16,12 +16,7 @@ from runtime.core.workspace_rows import Y0, K, row_of, switch_row
 from runtime.hybrid.impact import ON_SURFACE
 from runtime.hybrid.mode_consistency import CONSISTENT, RESTS, count_sliding
 from runtime.hybrid.mode_transition import LOOK_AHEAD, log_event
-from runtime.hybrid.rest_forces import (
-    find_jamming_friction,
-    is_unilateral,
-    rests,
-    suspend_friction,
-)
+from runtime.hybrid.rest_forces import find_jamming_friction, is_unilateral, rests, suspend_friction
 from runtime.hybrid.sliding_motion import STEP, evaluate_switching_and_rates
 from runtime.integrate.sampling import record
 from runtime.integrate.step_acceptance import LEAST_ERROR, copy_end

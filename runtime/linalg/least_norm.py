@@ -127,9 +127,7 @@ def least_norm_solver(matrix: Matrix | Any) -> Callable[[Vector], Any]:
 
 
 def solve_by_newton(
-    residual: Callable[[Vector], Vector],
-    jacobian: Callable[[Vector], Matrix | Any],
-    x: Vector,
+    residual: Callable[[Vector], Vector], jacobian: Callable[[Vector], Matrix | Any], x: Vector
 ) -> tuple[Vector, float]:
     """Bring the residual to rounding by steps of least norm, or go on for as long as they help.
 

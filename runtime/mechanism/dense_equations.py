@@ -316,10 +316,7 @@ def impact(
     kinetic energy of the difference: C. L. Lawson and R. J. Hanson, Solving Least Squares Problems
     (1974), chapter 23.
 
-    Raises
-    ------
-    Contradiction
-        Where there are none, or the search for them does not end.
+    Raises Contradiction where there are none, or the search for them does not end.
     """
     alone, multipliers = equations.impact(t, q, v)
     rates = equations.velocity_rhs(t, q)

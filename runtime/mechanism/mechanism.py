@@ -21,12 +21,7 @@ import numpy.typing as npt
 
 from codegen.errors import AnalysisError, SupersededError
 from codegen.files.build_records import fresh_text, records, unchanged
-from codegen.files.generated_modules import (
-    companion_path,
-    import_generated,
-    scene_path,
-    unroll_of,
-)
+from codegen.files.generated_modules import companion_path, import_generated, scene_path, unroll_of
 from runtime.core.kernel_abi import Kernels, gather
 from runtime.core.system import System
 from runtime.mechanism.module_tables import Description, describe

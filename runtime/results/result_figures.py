@@ -66,11 +66,6 @@ class ResultFigures(TimeSeries):
         dimensions, forces, frames, names
             As for `Model.draw`; forces are all that act, also those that are no outputs.
 
-        Returns
-        -------
-        Figure
-            Of Matplotlib; ``figure.savefig("machine.svg")`` saves it.
-
         Raises
         ------
         InputError

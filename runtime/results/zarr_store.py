@@ -43,7 +43,7 @@ _METADATA = "zarr.json"
 _FORMAT_2 = {".zarray", ".zgroup", ".zattrs", ".zmetadata"}
 MOST_METADATA = 1 << 24  # safety: bytes of one file of metadata
 _CODECS = {
-    *("blosc", "bytes", "crc32c", "gzip", "sharding_indexed", "transpose", "vlen-utf8", "zstd"),
+    *("blosc", "bytes", "crc32c", "gzip", "sharding_indexed", "transpose", "vlen-utf8", "zstd")
 }
 """Codecs that only rearrange, compress or check bytes."""
 _TYPES = {"bool", "float32", "float64", "string"} | {

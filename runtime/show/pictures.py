@@ -98,10 +98,7 @@ def moving_picture(result: "Result", part: "Result | None" = None) -> Picture:
     A part has outlines, size and motion of the whole: a body keeps its outline where a joint that
     held it has been released, and guides their length.
 
-    Raises
-    ------
-    InputError
-        If the result has no instants, or comes from no machine that is known.
+    Raises InputError if the result has no instants, or comes from no machine that is known.
     """
     mechanism, title = result._mechanism, result.description.title
     if mechanism is None:

@@ -16,11 +16,7 @@ import numpy as np
 from runtime.core.arrays import Integers, Matrix, Vector, i8, integers, matrix
 from runtime.core.jit import allocating, inner
 from runtime.linalg.dense_elimination import factor_fully
-from runtime.linalg.leading_block import (
-    eliminate_leading,
-    left_vectors,
-    null_vectors,
-)
+from runtime.linalg.leading_block import eliminate_leading, left_vectors, null_vectors
 from runtime.linalg.orthogonal_factors import (
     factor_cholesky,
     multiply_gram,

@@ -21,15 +21,7 @@ from scipy.sparse import csr_array, diags_array, identity, vstack
 from scipy.sparse.linalg import splu
 
 from runtime.core import arrays
-from runtime.core.arrays import (
-    Integers,
-    Vector,
-    i8,
-    integers,
-    none,
-    tuple_type,
-    vector,
-)
+from runtime.core.arrays import Integers, Vector, i8, integers, none, tuple_type, vector
 from runtime.core.jit import allocating, compiled
 from runtime.linalg.least_norm import bordered_matrix
 from runtime.linalg.rank_policy import NO_DIVISOR

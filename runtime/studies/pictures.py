@@ -14,15 +14,7 @@ from codegen.files.whole_files import whole_file
 from codegen.presentation import check_parent, finish_axes, new_figure, save_picture
 from runtime.integrate.method import METHODS
 from runtime.results.samples import plain
-from runtime.studies.diagram import (
-    Line,
-    Point,
-    WorkPrecision,
-    effectivity,
-    front,
-    headline,
-    slope,
-)
+from runtime.studies.diagram import Line, Point, WorkPrecision, effectivity, front, headline, slope
 from runtime.studies.harness import Setting
 from runtime.studies.ranking import Matters, Row, Verdict, percent
 

@@ -182,10 +182,7 @@ def parse_quantity(given: str | Function) -> Quantity:
 def declared_unit(given: str, description: Description) -> str:
     """The unit of a quantity's value, before there is a result.
 
-    Raises
-    ------
-    InputError
-        If the text means no quantity, or the scene has no such series or effect.
+    Raises InputError if the text means no quantity, or the scene has no such series or effect.
     """
     quantity = parse_quantity(given)
     if quantity.word in EVENTS:

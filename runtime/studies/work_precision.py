@@ -26,15 +26,7 @@ from runtime.mechanism.table_rows import unknown
 from runtime.results.result import Result
 from runtime.studies import harness
 from runtime.studies.diagram import Choice, Line, Point, WorkPrecision, fastest
-from runtime.studies.harness import (
-    TIME,
-    TIMEOUT,
-    Place,
-    Report,
-    Runner,
-    Setting,
-    outcome_name,
-)
+from runtime.studies.harness import TIME, TIMEOUT, Place, Report, Runner, Setting, outcome_name
 from runtime.studies.reference import (
     LIMIT_FACTOR,
     TIGHTEST,

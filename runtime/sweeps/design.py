@@ -91,10 +91,7 @@ def read_design(
 
     `unit_of` returns the unit of a factor by its name, and raises InputError where there is none.
 
-    Raises
-    ------
-    InputError
-        If factors, sample and units do not fit, all misfits at once.
+    Raises InputError if factors, sample and units do not fit, all misfits at once.
     """
     if not hasattr(over, "data_vars"):
         factors = read_factors(over)
@@ -206,10 +203,7 @@ def _factors_of(points: Any) -> tuple[Factor, ...]:
     coordinates along their own dimensions, is the grid of them. The numbers 0, 1, 2, … along a
     dimension count its points, and are no factor.
 
-    Raises
-    ------
-    InputError
-        If there are no numbers, or a point is repeated; all problems at once.
+    Raises InputError if there are no numbers, or a point is repeated; all problems at once.
     """
     import pandas as pd
     import xarray as xr
@@ -266,10 +260,7 @@ def _counts_points(points: "xr.Dataset", name: str) -> bool:
 def read_factors(over: Mapping[str, Any] | Sequence[str]) -> tuple[Factor, ...]:
     """The factors of a mapping from names, or of texts ``NAME=...``.
 
-    Raises
-    ------
-    InputError
-        One sentence for each factor that cannot be read.
+    Raises InputError: one sentence for each factor that cannot be read.
     """
     found, problems = dict[str, Factor](), list[str]()
     if isinstance(over, Mapping):

@@ -23,14 +23,7 @@ from runtime.results.dataset import dataset, require_dask
 from runtime.results.result import Result
 from runtime.results.samples import Samples, empty_samples, require_memory, sample_bytes
 from runtime.sweeps.ensemble_arguments import DRIVEN, Columns, Members, read_members
-from runtime.sweeps.ensemble_arrays import (
-    DONE,
-    LEFT,
-    WAITING,
-    Preparation,
-    Results,
-    prepare,
-)
+from runtime.sweeps.ensemble_arrays import DONE, LEFT, WAITING, Preparation, Results, prepare
 from runtime.sweeps.ensemble_loop import run_members
 
 if TYPE_CHECKING:

@@ -306,10 +306,8 @@ def execute(
 
     Returns the number of runs that were made, and of workers that were lost.
 
-    Raises
-    ------
-    LinkwrightError
-        If the workers cannot go on, or the store cannot be written; what is done stays.
+    Raises LinkwrightError if the workers cannot go on, or the store cannot be written; what is done
+    stays.
     """
     made, runs, lost = 0, store.about.runs, Counter[range]()
     title = f"sweep of {pool.request.model}"

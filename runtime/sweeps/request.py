@@ -76,10 +76,7 @@ class Request(BaseModel, frozen=True):
     def facts(self, points: Matrix) -> dict[str, Any]:
         """All that determines the numbers, as JSON; `points` are (runs, factors).
 
-        Raises
-        ------
-        InputError
-            If a function refers to what has no content that could be compared.
+        Raises InputError if a function refers to what has no content that could be compared.
         """
         digest = hashlib.sha256(np.ascontiguousarray(points).tobytes()).hexdigest()
         own = {name: described(getattr(self, name), name) for name in Request.model_fields}
@@ -147,10 +144,7 @@ def changed_programs(before: Mapping[str, Any]) -> list[str]:
 def run_member(machine: Machine, request: Request, point: Vector) -> Result:
     """The run of a member, by the same words in every process.
 
-    Raises
-    ------
-    LinkwrightError
-        If its values make no machine.
+    Raises LinkwrightError if its values make no machine.
     """
     parameters, start = dict(request.parameters), dict(request.start)
     for name, value in zip(request.factors, point.tolist(), strict=True):
@@ -266,10 +260,7 @@ class ContentError(TypeError):
 def value_digest(value: Any) -> str:
     """SHA-256 of a value's content, in hexadecimal.
 
-    Raises
-    ------
-    ContentError
-        If it refers to what has no content, such as an open file.
+    Raises ContentError if it refers to what has no content, such as an open file.
     """
     known: dict[int, tuple[Any, str]] = {}  # address → object, kept alive, and its digest
     above: list[int] = []  # addresses of the objects that are being described

@@ -145,10 +145,7 @@ class Store:
 
         Where a file is missing or cannot be read, all of its runs are: its number is in `broken`.
 
-        Raises
-        ------
-        InputError
-            If the system refuses to read a file, or none of several can be read.
+        Raises InputError if the system refuses to read a file, or none of several can be read.
         """
         runs, size, unread = self.about.runs, self.about.chunk, list[Exception]()
         found = np.full(runs, "", object)

@@ -134,10 +134,7 @@ def check(
 
     With `start_has_values` the argument `start` has values by name, and is no state.
 
-    Raises
-    ------
-    InputError
-        One sentence for each argument that does not fit.
+    Raises InputError: one sentence for each argument that does not fit.
     """
     state = _state_of(
         mechanism,

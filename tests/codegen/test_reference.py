@@ -17,16 +17,7 @@ from codegen.declare.symbols import given
 from codegen.derive.constraint_terms import constraint_terms
 from codegen.elements.joints.weld import Weld
 from codegen.elements.registry import kinds_of_elements
-from codegen.latex import (
-    MEANINGS,
-    WIDTH,
-    Abbreviations,
-    aligned,
-    latex,
-    lettered,
-    symbol,
-    width,
-)
+from codegen.latex import MEANINGS, WIDTH, Abbreviations, aligned, latex, lettered, symbol, width
 from codegen.reference.pages import Pair, example_of, markdown, page, slug, write
 from linkwright.cli.application import app
 from tests.codegen.elements.drum import StringOnDrum, winch

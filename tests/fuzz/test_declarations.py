@@ -71,10 +71,7 @@ PLACES: dict[str, tuple[Callable[[Scenery, Any], Any], set[str]]] = {
     "returned": (lambda s, v: s.model.spring("e", s.a, s.b, force=lambda *_: v), MOVING - {"zero"}),
     "gravity": (lambda s, v: s.model.gravity("e", v), {"pair", "array"}),
     "components": (lambda s, v: s.model.generalized_force("e", v), set()),
-    "friction": (
-        lambda s, v: s.model.friction("e", s.pin, v, radius=1),
-        {*POSITIVE, "zero"},
-    ),
+    "friction": (lambda s, v: s.model.friction("e", s.pin, v, radius=1), {*POSITIVE, "zero"}),
     "default": (lambda s, v: s.model.parameter("e", v), NUMBERS),
     "unit": (lambda s, v: s.model.parameter("e", 1, unit=v), {"empty"}),
     "abscissae": (lambda s, v: s.model.table("e", v, [1, 2]), {"pair"}),

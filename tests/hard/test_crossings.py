@@ -10,16 +10,7 @@ import pytest
 
 from codegen.errors import AnalysisError
 from runtime import Outcome, load
-from tests.hard.driven import (
-    NAMES,
-    OMEGA,
-    STANDING,
-    UPRIGHT,
-    FloatArray,
-    angle,
-    equal_rods,
-    only,
-)
+from tests.hard.driven import NAMES, OMEGA, STANDING, UPRIGHT, FloatArray, angle, equal_rods, only
 
 
 @pytest.mark.parametrize("count", [8, 37, 201, 2001])

@@ -135,11 +135,7 @@ def test_a_pinion_swung_too_far_locks_in_the_dead_centre() -> None:
 
 @pytest.mark.parametrize(
     ("beyond", "outcome", "kinds"),
-    [
-        (1e-6, Outcome.LOCKED, ["lock-up"]),
-        (0.0, Outcome.OK, ["crossing"]),
-        (-1e-6, Outcome.OK, []),
-    ],
+    [(1e-6, Outcome.LOCKED, ["lock-up"]), (0.0, Outcome.OK, ["crossing"]), (-1e-6, Outcome.OK, [])],
 )
 def test_a_driver_that_turns_at_the_dead_centre(
     beyond: float, outcome: Outcome, kinds: list[str]

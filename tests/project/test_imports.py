@@ -48,11 +48,7 @@ COMPILER = {
     *("codegen.files", "codegen.files.library_folders", "codegen.object_display"),
     *("codegen.readers.values", "codegen.readers.calls", "codegen.readers.quantities"),
     "codegen.presentation",
-    *(
-        "codegen.garbage_collection",
-        "codegen.parameter_conditions",
-        "codegen.termination_signals",
-    ),
+    *("codegen.garbage_collection", "codegen.parameter_conditions", "codegen.termination_signals"),
     *("codegen.files.build_records", "codegen.files.generated_modules"),
     "codegen.files.whole_files",
     *(

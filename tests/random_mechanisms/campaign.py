@@ -26,12 +26,7 @@ from tests.random_mechanisms import parts
 from tests.random_mechanisms.dense_dynamics import Dense
 from tests.random_mechanisms.dense_hybrid import Hybrid, switching_effects
 from tests.random_mechanisms.dense_motion import driven_motion, free_motion, growth
-from tests.random_mechanisms.generator import (
-    CONTACTS,
-    FRICTION,
-    RandomMechanism,
-    random_mechanism,
-)
+from tests.random_mechanisms.generator import CONTACTS, FRICTION, RandomMechanism, random_mechanism
 from tests.random_mechanisms.kernel_comparison import Generated, differences
 
 MET = 1e-10  # of accelerations and reactions, in a state that both are given

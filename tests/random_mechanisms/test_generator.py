@@ -34,9 +34,7 @@ def machines() -> list[RandomMechanism]:
     return [random_mechanism(seed) for seed in range(SEEDS)]
 
 
-def test_every_joint_is_closed_and_moves_as_its_start_says(
-    machines: list[RandomMechanism],
-) -> None:
+def test_every_joint_is_closed_and_moves_as_its_start_says(machines: list[RandomMechanism]) -> None:
     """Residuals of positions and velocities vanish to rounding."""
     for machine in machines:
         length, time = machine.scales.length, machine.scales.time

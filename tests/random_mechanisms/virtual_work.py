@@ -8,11 +8,7 @@ from typing import Any
 import numpy as np
 
 from tests.random_mechanisms import parts
-from tests.random_mechanisms.constraint_equations import (
-    Placement,
-    along_and_across,
-    law,
-)
+from tests.random_mechanisms.constraint_equations import Placement, along_and_across, law
 from tests.random_mechanisms.jets import Derivatives, Jet, derivatives, sqrt
 
 

@@ -14,14 +14,7 @@ from numba import types
 import runtime.core.jit
 from runtime.core import workspace_rows
 from runtime.core.function_table_layout import TableLayout
-from runtime.core.jit import (
-    ADDRESSES,
-    addressed,
-    addresses,
-    at,
-    compiled,
-    inner,
-)
+from runtime.core.jit import ADDRESSES, addressed, addresses, at, compiled, inner
 
 F8 = types.float64
 BINARY = types.FunctionType(F8(F8, F8))

@@ -99,9 +99,7 @@ def test_near_misses_go_on(machine: Callable[[str], Machine], formulation: str) 
     assert np.ptp(bowl.energy("total")) < 1e-4
 
 
-def test_a_function_that_does_not_count_turns_has_no_cut(
-    machine: Callable[[str], Machine],
-) -> None:
+def test_a_function_that_does_not_count_turns_has_no_cut(machine: Callable[[str], Machine]) -> None:
     result = machine("track").simulate(20.0)
     assert result.outcome is Outcome.OK
     x, y = result.q("p.x"), result.q("p.y")

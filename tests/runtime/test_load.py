@@ -183,11 +183,7 @@ def test_importing_the_runtime_loads_nothing_heavy() -> None:
 def _python(script: str) -> str:
     root = Path(codegen.__file__).resolve().parent.parent
     return subprocess.run(
-        [sys.executable, "-c", script],
-        cwd=root,
-        capture_output=True,
-        text=True,
-        check=True,
+        [sys.executable, "-c", script], cwd=root, capture_output=True, text=True, check=True
     ).stdout
 
 

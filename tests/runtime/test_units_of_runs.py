@@ -71,10 +71,7 @@ def result(machine: Machine) -> Result:
             {"until": {"low": ("bob.phi", "<", "-30 deg")}},
             {"until": {"low": ("bob.phi", "<", -pi / 6)}},
         ),
-        (
-            {"until": {"low": "bob.phi < -30 deg"}},
-            {"until": {"low": ("bob.phi", "<", -pi / 6)}},
-        ),
+        ({"until": {"low": "bob.phi < -30 deg"}}, {"until": {"low": ("bob.phi", "<", -pi / 6)}}),
     ],
 )
 def test_a_run_with_units_is_that_in_si(

@@ -137,10 +137,7 @@ _ANGULAR = {
 def require_bokeh() -> None:
     """Refuse to go on without Bokeh, which is looked for and not loaded.
 
-    Raises
-    ------
-    InputError
-        If it is not installed.
+    Raises InputError if it is not installed.
     """
     absent = "bokeh" in sys.modules and sys.modules["bokeh"] is None
     if absent or find_spec("bokeh") is None:

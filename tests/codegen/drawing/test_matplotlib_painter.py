@@ -124,8 +124,7 @@ def test_labels_keep_off_lines_and_each_other() -> None:
 
 
 @pytest.mark.parametrize(
-    ("value", "text"),
-    [(0.0, "0 N"), (12345.0, "12.3 kN"), (0.004, "4 mN"), (3e6, "3 MN")],
+    ("value", "text"), [(0.0, "0 N"), (12345.0, "12.3 kN"), (0.004, "4 mN"), (3e6, "3 MN")]
 )
 def test_engineering_prefixes(value: float, text: str) -> None:
     assert engineering(value, "N") == text

@@ -303,11 +303,7 @@ def c_shape() -> list[tuple[float, float]]:
 WAVES = 0.05 + 0.004 * sympy.cos(4 * alpha)
 CUTS = {
     # radius of the hollows 117.6 mm
-    "hollow": (
-        lambda m, cam: cam.polar(WAVES),
-        0.118,
-        r"radius 0\.118 m, .* hollows is 0\.1176 m",
-    ),
+    "hollow": (lambda m, cam: cam.polar(WAVES), 0.118, r"radius 0\.118 m, .* hollows is 0\.1176 m"),
     "fits": (lambda m, cam: cam.polar(WAVES), 0.117, ""),
     "mouth": (
         lambda m, cam: m.curve_through("c", cam, c_shape()),

@@ -10,13 +10,7 @@ from runtime.integrate.method import EXPLICIT
 from runtime.integrate.problem import Options, Problem
 from tests.runtime.hybrid import drivers
 from tests.runtime.hybrid.systems import BLOCK, SLIDER, Instant
-from tests.runtime.integrate.systems import (
-    free_system,
-    integrate,
-    kernel,
-    relay,
-    run_relay,
-)
+from tests.runtime.integrate.systems import free_system, integrate, kernel, relay, run_relay
 
 TOLERANCES = (1e-5, 1e-8, 1e-12)
 

@@ -4,12 +4,7 @@ import numpy as np
 import pytest
 
 from runtime.linalg.symbolic_elimination import plan_capacity
-from tests.runtime.linalg.drivers import (
-    eliminate_rows,
-    fill_unit_rows,
-    replay_plan,
-    write_plan,
-)
+from tests.runtime.linalg.drivers import eliminate_rows, fill_unit_rows, replay_plan, write_plan
 
 M, N = 9, 12
 

@@ -5,10 +5,7 @@ import pytest
 
 from runtime.linalg.dense_elimination import factor_fully
 from runtime.singularity.schur_complement import reduce_to_weak_part
-from runtime.singularity.search_function_table import (
-    set_units,
-    unit_jacobian_entries,
-)
+from runtime.singularity.search_function_table import set_units, unit_jacobian_entries
 from tests.runtime.singularity.crossing import closed, mechanism
 from tests.runtime.singularity.drivers import lost_gap
 

@@ -2,10 +2,7 @@
 
 import numpy as np
 
-from runtime.singularity.search_function_table import (
-    set_units,
-    unit_jacobian_entries,
-)
+from runtime.singularity.search_function_table import set_units, unit_jacobian_entries
 from tests.runtime.singularity.crossing import closed, gaps_by_place, mechanism
 
 SCALE, SPEED, T = np.array([2.0, 0.5, 10.0]), 4.0, 0.3

@@ -194,9 +194,7 @@ def test_the_gap_is_that_between_orthonormal_vectors() -> None:
     assert np.sqrt(squared / 3.0) <= gap <= np.sqrt(squared) * (1.0 + 1e-12)
 
 
-def test_numbers_and_evaluations_of_a_search_grow_linearly(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_numbers_and_evaluations_of_a_search_grow_linearly(monkeypatch: pytest.MonkeyPatch) -> None:
     """At and near the level position, of the vectors, their products and the derivatives."""
     calls = []
     evaluated = SparseJacobian.entries

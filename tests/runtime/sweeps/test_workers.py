@@ -11,14 +11,7 @@ from typing import Any
 
 import pytest
 
-from benchmarks.sweep_crashes import (
-    Campaign,
-    descendants,
-    disturbed,
-    judge,
-    runs_made,
-    undisturbed,
-)
+from benchmarks.sweep_crashes import Campaign, descendants, disturbed, judge, runs_made, undisturbed
 from codegen.errors import LinkwrightError
 from runtime import sweep
 from runtime.sweeps.study import Study
