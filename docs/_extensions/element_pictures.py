@@ -11,7 +11,13 @@ import numpy as np
 
 from codegen.declare.element import Constraint
 from codegen.derive.constraint_terms import constraint_terms
-from codegen.drawing.annotations import arrow, drawn_loads, driver_strokes, frame_strokes
+from codegen.drawing.annotations import (
+    acting_loads,
+    arrow,
+    drawn_loads,
+    driver_strokes,
+    frame_strokes,
+)
 from codegen.drawing.labels import Label, Writer
 from codegen.drawing.matplotlib_painter import PictureArtist
 from codegen.drawing.picture import ARROW, HEAD, PIN
@@ -83,10 +89,12 @@ def figure(kind: str) -> Any:
         terms = constraint_terms(element)[1].reactions
         reactions = [name for name, _, value in terms if value != 0]
     for name in reactions:
-        for load, strokes in drawn_loads(picture, series={f"{element.name}.{name}": 1.0}):
+        acting = acting_loads(picture, {f"{element.name}.{name}": 1.0})
+        for load, strokes in drawn_loads(picture, acting, False):
             signs += strokes
             write(name, strokes[0].points[[-1, 0]], LIGHT[load.style], fontsize=10)
-    signs += [one for _, strokes in drawn_loads(picture) for one in strokes]
+    loads = drawn_loads(picture, acting_loads(picture, {}), False)
+    signs += [one for _, strokes in loads for one in strokes]
     for number, body in enumerate(picture.bodies[1:], 1):
         at, color = origin(picture.poses[number]), color_of("line", number)
         write(body.name, at, color, 0.045, fontsize=13, fontstyle="italic")
