@@ -69,8 +69,10 @@ def _mirrored_loops(
     guess, loose = start.q.copy(), np.flatnonzero(~start.given_q & ~start.fixed_q)
     for _ in range(_STEPS):
         slopes = (equations.jacobian(t, guess) * scale)[:, loose]
-        step = np.linalg.lstsq(slopes, equations.constraints(t, guess), rcond=None)[0]
-        guess[loose] -= scale[loose] * step
+        gaps = equations.constraints(t, guess)
+        if not (np.isfinite(slopes).all() and np.isfinite(gaps).all()):
+            return
+        guess[loose] -= scale[loose] * np.linalg.lstsq(slopes, gaps, rcond=None)[0]
     before, after = ((equations.jacobian(t, at) * scale)[:, free] for at in (guess, q))
     graph = csr_array((before != 0.0) | (after != 0.0))
     match = maximum_bipartite_matching(graph, perm_type="column")

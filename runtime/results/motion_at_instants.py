@@ -22,7 +22,8 @@ Side = Literal["before", "after"]
 # accuracy: units of rounding of a run's times; the two sides of a kink are 32 of them apart
 _CLOSE = 40.0
 _SHOWN = 6  # layout: instants that a message names
-_NARROW = 1e-12  # accuracy: of a run's time, the interval in which a mode is known to change
+_NARROW = 1e-9  # accuracy: of a run's time, the interval in which a mode is known to change
+_FLIPS = 3  # safety: changes of modes within an interval of samples that are looked for
 
 
 class Sampling(NamedTuple):
@@ -115,7 +116,7 @@ def resampled(result: "Result", how: Sampling, besides: FloatArray | None = None
         return result
     first, last = float(result.t.min()), float(result.t.max())
     points = int(np.clip(how.a_step * stats.get("steps", 0), how.least, how.most)) + 1
-    events = np.unique([event.time for event in result.events if first < event.time < last])
+    events = np.unique([event.time for event in result.events if first < event.time <= last])
     events = events[: 0 if len(events) > how.events else None]
     own = result.t if count <= how.most else result.t[:0]
     between = np.union1d(np.linspace(first, last, points), own)
@@ -133,13 +134,14 @@ def with_both_sides(result: "Result") -> "Result":
     motion, t, found = result._motion, result.instants_of_states, result
     if motion is None or len(t) < 2:
         return result
-    changes, narrow = [one.time for one in result.reconnections], _NARROW * np.abs(t).max()
-    besides = np.array([*changes, *np.nextafter(changes, np.inf)])
+    changes = [one.time for one in result.reconnections if t[0] <= one.time < t[-1]]
+    besides, most = np.array([*changes, *np.nextafter(changes, np.inf)]), len(t)
     while result.analysis != "simulation":
         (k,) = np.nonzero(np.diff(found.samples.modes, axis=0).any(axis=1))
         besides = np.concatenate([t[k], t[k + 1]])
-        if not (t[k + 1] - t[k] > narrow).any():
+        if not _NARROW * np.abs(t).max() < np.max(t[k + 1] - t[k], initial=0.0) or len(k) > most:
             break
+        most = _FLIPS * len(k)  # more change by rounding
         t = np.unique(np.linspace(t[k], t[k + 1], 10))
         found = _sampled(result, motion, t, t)
     if not len(besides) and not result.events:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from sympy import log
 
 from codegen import Model, build
 from codegen.errors import AssemblyError
@@ -96,3 +97,14 @@ def test_a_driver_out_of_reach_says_by_how_much(tmp_path: Path) -> None:
     model.scene("lifted", drivers=["cylinder"], guess={body.phi: 1.0})
     (problem,) = check_declaration(model).problems
     assert "driver cylinder asks for 0.5 m more than the joints let it reach" in problem
+
+
+def test_a_start_whose_search_leaves_a_logarithm_is_loaded_without_a_note() -> None:
+    model = Model("logarithm")
+    arm, slide = (model.body(name, mass=1.0, inertia=0.1) for name in ("arm", "slide"))
+    model.revolute("pin", model.ground.at(0, 0), arm.at(-1, 0))
+    model.translational("guide", model.ground, slide, axis=(1, 0))
+    model.constraint("law", log(slide.x + 1) + 3 - 0.01 * arm.phi)
+    model.driver("motor", arm.phi, 1.0)
+    model.scene("s", drivers=["motor"], guess={arm.phi: 0.2})
+    assert np.isfinite(load(model).assemble().q).all()

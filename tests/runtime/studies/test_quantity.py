@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from sympy import Piecewise
+from sympy import Piecewise, Rational, pi, sin
 
 from codegen import Model, t
 from runtime import Result, load
+from runtime.results.motion_at_instants import with_both_sides
 from runtime.studies.quantity import REDUCTIONS, Series, parse_quantity
 
 
@@ -84,3 +85,46 @@ def test_a_force_that_is_held_between_clock_ticks_has_its_largest_value() -> Non
     controllers = {"u": lambda sample: steps[round(sample.t / 0.13)]}
     result = load(model).simulate(1.0, 501, controllers=controllers)
     assert_allclose(parse_quantity("max:a(ball.x)").read(result).value, 5.0, rtol=1e-9)
+
+
+@pytest.mark.parametrize("end", [1.0, 1.1, 1.3, 1.7])
+@pytest.mark.parametrize("count", [51, 101, 102])
+def test_both_changes_of_a_force_are_found_in_a_driven_motion(end: float, count: int) -> None:
+    model = Model("pressing")
+    slide = model.body("slide", mass=1.0, inertia=0.1)
+    model.translational("guide", model.ground, slide, axis=(1, 0))
+    model.driver("feed", slide.x, sin(2 * pi * t))
+    model.force("press", slide, fx=-100.0, when=slide.x > 0.5)
+    model.scene("s", ["press"], ["feed"])
+    result = load(model).inverse_dynamics(end, count, progress=False)
+    found = [parse_quantity(f"{word}:feed.fx").read(result).value for word in ("max", "min")]
+    half = 0.5 * (2.0 * np.pi) ** 2
+    assert_allclose(found, [100.0 - half, -half], rtol=1e-7)
+
+
+def test_modes_that_rounding_changes_are_looked_for_a_few_times() -> None:
+    model = Model("parallelogram", gravity=(0, -9.81))
+    left, right, beam = (model.body(n, mass=1.0, inertia=0.1) for n in ("left", "right", "beam"))
+    model.revolute("A", model.ground.at(0, 0), left.at(-0.15, 0))
+    model.revolute("B", left.at(0.15, 0), beam.at(-0.35, 0))
+    model.revolute("C", beam.at(0.35, 0), right.at(0.15, 0))
+    model.revolute("D", right.at(-0.15, 0), model.ground.at(0.7, 0))
+    model.driver("motor", left.phi, 1.0 + 0.5 * sin(3 * t))
+    model.torque("drag", on=beam, value=Piecewise((-5.0, beam.omega > 0), (5.0, True)))
+    guess = {left.x: 0.1, left.y: 0.1, beam.x: 0.4, beam.y: 0.25, right.x: 0.8, right.phi: 1.0}
+    model.scene("s", ["gravity", "drag"], ["motor"], guess=guess)
+    result = load(model).inverse_dynamics(3.0, 31, progress=False)
+    assert np.diff(result.samples.modes, axis=0).any(axis=1).sum() > 3
+    assert len(with_both_sides(result).t) < 30 * len(result.t)
+
+
+@pytest.mark.parametrize("analysis", ["inverse_dynamics", "simulate"])
+def test_a_law_that_bends_at_the_end_has_its_value_before_it(analysis: str) -> None:
+    model = Model("ending")
+    arm = model.body("arm", mass=1.0, inertia=1.0)
+    model.revolute("pin", model.ground, arm)
+    model.driver("motor", arm.phi, Piecewise((t**3 / 6, t < 1), (t / 2 - Rational(1, 3), True)))
+    model.scene("s", drivers=["motor"])
+    result = getattr(load(model), analysis)(1.0, 11, progress=False)
+    assert_allclose(parse_quantity("max:motor.torque").read(result).value, 1.0, rtol=1e-9)
+    assert_allclose(parse_quantity("mean:motor.torque").read(result).value, 0.5, rtol=1e-9)
