@@ -18,7 +18,7 @@ from codegen.declare.symbols import Coordinate, Parameter, Time, Velocity, kinds
 from codegen.derive.constraint_terms import constraint_terms
 from codegen.derive.effect_terms import available_quantities, effect_measures, effect_terms
 from codegen.derive.equations import parts_of
-from codegen.derive.parameter_conditions import element_conditions, profiles_of
+from codegen.derive.parameter_conditions import element_conditions, outline_conditions, profiles_of
 from codegen.derive.switching_functions import Named, switches
 from codegen.model.scene_requests import ONE
 from codegen.parameter_conditions import profile_problems
@@ -134,6 +134,8 @@ class _SceneCheck:
 
     def _violated_conditions(self) -> Iterator[str]:
         """Conditions and shapes that the scene's values of parameters break."""
+        for one in outline_conditions(self.parts.bodies):
+            yield from one.condition.problems(one.element, self.numbers)
         for element in self.parts.acting:
             with errors_at(label(element)):
                 for one in element_conditions(element, self.parts.bodies):

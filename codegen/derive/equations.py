@@ -23,6 +23,7 @@ from codegen.derive.parameter_conditions import (
     carried,
     element_conditions,
     expressions_in,
+    outline_conditions,
     profiles_of,
 )
 from codegen.derive.scene_picture import ScenePicture, scene_picture
@@ -304,16 +305,14 @@ def derive(model: "Model", scene: Scene) -> Equations:
         labels=tuple(model.labels.items()),
         picture=scene_picture(model.ground, bodies, drawn, values, frozenset(used)),
     )
-    conditions, profiles = list[ElementCondition](), list[Profile]()
+    conditions, profiles = outline_conditions(bodies), list[Profile]()
     defaults = {Parameter(name, real=True): value for name, value in values.items()}
     varies = bool(parameters) and not scene.frozen
     for element in parts.acting:
         with errors_at(label(element)):
-            if varies:
-                own = element_conditions(element, bodies)
-                conditions += carried(own, parameters, model.defaults)
+            conditions += element_conditions(element, bodies) if varies else ()
             found = profiles_of(element, scene, parts.drivers.values(), defaults)
             profiles += found if are_judged_in_runs(found, defaults, varies) else ()
-    once = tuple(dict.fromkeys(conditions))
+    once = carried(conditions, parameters, model.defaults) if varies else ()
     equations = replace(equations, conditions=once, profiles=tuple(profiles))
     return equations.with_effects(effects)

@@ -64,7 +64,7 @@ def expressions_in(part: object) -> Iterator[sympy.Basic]:
 
 
 def element_conditions(element: Element, bodies: Bodies) -> list[ElementCondition]:
-    """All conditions of an element that acts, and of the outlines of its bodies."""
+    """All conditions of an element that acts."""
     conditions = list(conditions_of(element))
     parts: object
     if isinstance(element, Constraint):
@@ -76,9 +76,12 @@ def element_conditions(element: Element, bodies: Bodies) -> list[ElementConditio
         parts = terms
     lookups = {node for e in expressions_in(parts) for node in e.atoms(Interpolant)}
     conditions += _ranges(sorted(lookups, key=str))
-    own = [ElementCondition(label(element), c) for c in conditions if not c.varies]
-    outlines = ((b, c) for b in element.bodies for c in b.conditions if not c.known)
-    return own + [ElementCondition(f"{label(b)}: outline", c) for b, c in outlines]
+    return [ElementCondition(label(element), c) for c in conditions if not c.varies]
+
+
+def outline_conditions(bodies: Bodies) -> list[ElementCondition]:
+    """The conditions of the outlines of bodies."""
+    return [ElementCondition(f"{label(b)}: outline", c) for b in bodies for c in b.conditions]
 
 
 def _ranges(lookups: list[Interpolant]) -> Iterator[Condition]:

@@ -176,8 +176,8 @@ def labelled(
     for condition, label in labels:
         parts = sorted(condition.atoms(Relational), key=str)
         for part in parts:
-            g, text = switching_function(part), label if len(parts) == 1 else f"{label} ({part})"
-            begin, end = label_sides(text)
+            text = label if len(parts) == 1 else f"{label} (part: {part})"
+            g, (begin, end) = switching_function(part), label_sides(text)
             names[g], names[-g] = text, f"{end} / {begin}" if text == label else text
     return tuple(
         replace(s, text=names.get(s.g, s.text)) if s.kind == "condition" else s for s in among

@@ -127,10 +127,11 @@ def _is_nearest(picture: Picture, symbol: Symbol, own: ContactSide) -> Any:
 
 
 def acting_loads(picture: Picture, series: Series, run: Iterable[Load] = ()) -> list[Load]:
-    """What acts at one instant, is finite, and not 0 beside the largest of its unit in the run."""
-    finite = [load for load in loads(picture, series) if np.isfinite([load.value, load.at]).all()]
+    """What acts, is finite at an instant, and no rounding beside the largest in the run."""
+    finite = [one for one in loads(picture, series) if np.isfinite(one.at * one.value).any()]
     known = [*finite, *run]
-    least = {word: VANISHING * _largest(known, word) for word in ("N", "N m")}
+    force, torque = (VANISHING * _largest(known, word) for word in ("N", "N m"))
+    least = {"N": force, "N m": max(torque, force * picture.size)}
     return [load for load in finite if load.size > least[load.unit]]
 
 

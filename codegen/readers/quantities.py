@@ -299,9 +299,9 @@ def _cycles_for_radians(value: Any, target: Any, unit: str) -> str | None:
     names = {registry().parse_unit_name(name)[0][1] for name, _ in value.unit_items()}
     if given < 0 == wanted and value.check("[length]"):
         return "is a length for each angle; give the length alone, of a lead that of one turn."
-    if value.dimensionless and given and not wanted:
+    if value.dimensionless and given == 1 and not wanted:
         return "is an angle, but a pure number is needed; give the number alone."
-    if value.dimensionless and wanted and not given and names & {"percent", "permille", "ppm"}:
+    if wanted and not given and names & {"percent", "permille", "ppm"}:
         return f"is a share, but {unit} is needed; give a number in {unit}."
     is_rate = [*value.dimensionality] == ["[time]"]  # of which 1/min may mean revolutions
     per_cycle = {"hertz", "minute", "hour"} if is_rate else {"hertz"}
@@ -350,7 +350,7 @@ class ConditionText(NamedTuple):
 def read_condition(text: str) -> ConditionText:
     """The parts of a condition; `UnitError` where it has none."""
     sign = "<" if "<" in text else ">"
-    series, *values = (part.strip() for part in text.split(sign))
+    series, *values = (part.strip() for part in text.replace(f"{sign}=", sign).split(sign))
     if len(values) != 1 or not series or not values[0] or ("<" in text and ">" in text):
         raise UnitError(
             f'{shown(text)} is no condition; write "SERIES > VALUE", or with <, such as '

@@ -22,7 +22,7 @@ from runtime.results.result import Result
 _A_STEP = 4  # measured: instants of a step that are looked at
 _LEAST, _MOST = 1000, 20_000  # safety: such instants of a run
 _ONE_INSTANT = 4e-15  # accuracy: of the time; distance in which a series jumps at an event
-_SIGNS = {"<": -1.0, ">": 1.0}
+_SIGNS = {"<": -1.0, "<=": -1.0, ">": 1.0, ">=": 1.0}
 
 Conditions = Mapping[str, str | tuple[str, str, float | str]]
 """Name → (series, "<" or ">", value), or "series < value"."""

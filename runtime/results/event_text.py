@@ -8,7 +8,7 @@ from runtime.mechanism.table_rows import NEXT_PIECE
 
 _LONGEST = 50  # layout: characters of a condition in a text
 _COMPARISON = re.compile(r"(\S+) ([<>])=? (\S+)")
-_PART = re.compile(r"([^<>]+) \((.+ [<>]=? .+)\)")  # of a condition with a label
+_PART = re.compile(r"(.+) \(part: (.+)\)")  # of a condition with a label
 _QUANTITY = re.compile(r"(?:(\w+)_)?(x|y|phi|vx|vy|omega|t)")
 _UNITS = {"x": "m", "y": "m", "phi": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s", "t": "s"}
 
@@ -53,7 +53,7 @@ def _in_words(element: str, condition: str, begins: bool) -> str:
         return f"{element}: {quantity} {'passes' if up else 'falls below'} {bound}"
     if condition == NEXT_PIECE:
         return f"{element}: {condition}"
-    return "" if re.search("[<>]", condition) else label_sides(condition)[0 if begins else 1]
+    return "" if re.match("(?!.* / ).*[<>]", condition) else label_sides(condition)[not begins]
 
 
 def _compared(condition: str) -> tuple[str, bool, str] | None:

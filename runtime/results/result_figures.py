@@ -64,7 +64,7 @@ class ResultFigures(TimeSeries):
         t
             Instant in s, as `at` takes it; unless given, the first sample.
         dimensions, forces, frames, names
-            As for `Model.draw`; forces are all that act, also those that are no outputs.
+            As for `Model.draw`; forces are also those of joints and drivers, but no weights.
 
         Raises
         ------

@@ -115,9 +115,9 @@ class TimeSeries:
         slip, and "normal" and "limit"; a clearance joint "normal", which pushes, and "friction" on
         the journal, counter-clockwise about the bearing; an applied force "fx" and "fy" in the axes
         in which it is given; a bushing "fx" and "fy" on its second body, in the axes of the first;
-        gears with backlash and elastic belts "first" and "second" for each flank or strand; any
-        other effect its generalized forces by coordinate, "bob.x". The name of a joint or driver
-        returns its reaction.
+        gears with backlash and elastic belts "first" and "second" for each flank or strand, as
+        has a stop for its lower and its upper limit; any other effect its generalized forces by
+        coordinate, "bob.x". The name of a joint or driver returns its reaction.
         """
         return self._called("force", effect, component, unit)
 

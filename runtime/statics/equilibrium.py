@@ -182,10 +182,10 @@ def equilibrium(
     start = assemble(equations, t, guess, release=True)
     with_states = bool(free_states(description))
     if start.degrees_of_freedom == 0 and not with_states:
-        drivers = f" (drivers: {', '.join(description.drivers)})" if description.drivers else ""
+        extra = ", ".join(description.drivers) or "a joint (without=[...])"
         raise AnalysisError(
-            f"{description.title}: 0 degrees of freedom are left{drivers}, so there is nothing to "
-            f"balance. Leave the drivers out of the scene, or ask for inverse dynamics."
+            f"{description.title}: 0 degrees of freedom are left, so there is nothing to balance. "
+            f"Leave {extra} out of the scene, or ask for inverse dynamics."
         )
     equations = suited_equations(equations, start)
     columns = [state.column for state in description.states]

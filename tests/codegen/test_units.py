@@ -44,6 +44,12 @@ CONVERTED = [
     (30 * u.N * u.m, "N m/rad", 30.0),
     (60 * u.rpm * u.mm, "m/s", 2e-3 * math.pi),
     (90 * u.deg, "rad", math.pi / 2),
+    (
+        u.Quantity(0.5, "N m s/rad") / (40 * u.N * u.m / u.rad * 0.1 * u.kg * u.m**2) ** 0.5,
+        "",
+        0.25,
+    ),
+    ((10 * u.rad / u.s) ** 2 * (2 * u.m) / (10 * u.m / u.s**2), "", 20.0),
     (u.Quantity(20.0, "degC"), "K", 293.15),
     (60 * UnitRegistry().rpm, "rad/s", 2 * math.pi),
 ]
@@ -193,7 +199,11 @@ def test_every_way_in_tells_them_apart() -> None:
 
 @pytest.mark.parametrize(
     ("text", "unit", "word"),
-    [("5 deg", "", "is an angle, but a pure number"), ("3 %", "rad", "is a share, but rad is")],
+    [
+        ("5 deg", "", "is an angle, but a pure number"),
+        ("3 %", "rad", "is a share, but rad is"),
+        ("3 %/s", "rad/s", "is a share, but rad/s is"),
+    ],
 )
 def test_angles_and_shares_are_no_pure_numbers_of_each_other(
     text: str, unit: str, word: str

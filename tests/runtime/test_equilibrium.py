@@ -1,11 +1,14 @@
 """Rest positions against exact answers, by both methods, judged and refused."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from codegen import Model
 from codegen.errors import AnalysisError, InputError
+from runtime import load
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
 from runtime.statics.equilibrium import Stability
@@ -101,8 +104,18 @@ def test_force_that_nothing_balances(make: Callable[..., Machine]) -> None:
 
 
 def test_nothing_to_balance(driven: Machine) -> None:
-    with pytest.raises(AnalysisError, match=r"0 degrees of freedom.*drivers: crank_drive"):
+    with pytest.raises(AnalysisError, match=r"0 degrees of freedom.*Leave crank_drive out of"):
         driven.equilibrium()
+
+
+def test_a_joint_too_many_is_named_where_no_driver_holds_the_machine(tmp_path: Path) -> None:
+    model = Model("held", gravity=(0, -9.81))
+    bob = model.body("bob", mass=1.0, inertia=0.1)
+    model.revolute("hinge", model.ground.at(0, 0), bob.at(-1, 0))
+    model.absolute("bolt", bob, "phi", 0.0)
+    model.scene("rest", ["gravity"])
+    with pytest.raises(AnalysisError, match=r"Leave a joint \(without=\[\.\.\.\]\) out of the"):
+        load(model, folder=tmp_path).equilibrium()
 
 
 def test_masses_are_needed(make: Callable[..., Machine]) -> None:

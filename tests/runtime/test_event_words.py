@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sympy import Piecewise, cos, pi, sin
+from sympy import And, Piecewise, cos, pi, sin
 
 from codegen import Model, build, t
 from codegen.errors import ModelError
@@ -70,13 +70,15 @@ def test_a_label_names_the_events_of_a_condition(labelled: Machine) -> None:
         ("valve: opens / closes", 0, "valve: the motion stays on the boundary of opens"),
         ("valve: opens", -1, "no longer: opens"),
         (
-            "cloth: pierces / turns (bar_y < -0.045)", 1,
+            "cloth: pierces / turns (part: bar_y < -0.045)", 1,
             "cloth: y of bar falls below -0.045 m (part of pierces)",
         ),
         (
-            "cloth: pierces / turns (bar_vy < 0)", -1,
+            "cloth: pierces / turns (part: bar_vy < 0)", -1,
             "cloth: vy of bar becomes positive (part of pierces)",
         ),
+        ("push: in range / out of range (phi < -0.5)", -1, "out of range (phi < -0.5)"),
+        ("push: in range (phi > -0.5)", 1, "push: in range (phi > -0.5) begins to hold"),
         ("singular: drive, A", 3, "drive, A: a singular position is crossed"),
     ],
 )  # fmt: skip
@@ -90,6 +92,17 @@ def test_a_condition_of_a_law_and_its_opposite_have_the_words_of_a_label(worksho
     model.label(mass.x > 0.3, "valve opens / valve closes")
     model.scene("runs", ["gas"], start={mass.x: 0.0, mass.vx: 3.0})
     assert words(load(model, folder=workshop).simulate(0.8)) == ["valve opens", "valve closes"]
+
+
+def test_each_part_of_a_condition_tells_of_which_label_it_is(workshop: Path) -> None:
+    model, mass = block("two_parts")
+    both = And(mass.x > 0.3, mass.x < 0.6)
+    model.force("push", mass, fx=2.0, when=both, label="in range (x > 0.3) / out of range")
+    model.scene("runs", ["push"], start={mass.x: 0.0, mass.vx: 1.0})
+    assert words(load(model, folder=workshop).simulate(1.0)) == [
+        "push: x of mass passes 0.3 m (part of in range (x > 0.3))",
+        "push: x of mass passes 0.6 m (part of in range (x > 0.3))",
+    ]
 
 
 def test_a_label_without_a_condition_is_refused() -> None:

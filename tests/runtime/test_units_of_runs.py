@@ -219,6 +219,10 @@ def test_a_condition_on_a_quantity_that_is_not_there_says_so(machine: Machine) -
     with pytest.raises(InputError, match="gravity") as caught:
         machine.simulate(1.0, until={"hit": ("gravity.force", ">", "100 N")})
     assert "pure number" not in str(caught.value)
+    ends = [machine.simulate(1.0, until={"turned": one}).t[-1] for one in (
+        "bob.phi <= -30 deg", ("bob.phi", "<=", "-30 deg"), "bob.phi < -30 deg"
+    )]  # fmt: skip
+    assert ends[0] == ends[1] == ends[2] < 1.0
 
 
 def test_a_text_brings_the_unit_of_a_parameter() -> None:

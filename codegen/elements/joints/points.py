@@ -175,7 +175,7 @@ class Relative(Constraint):
 class ExpressionConstraint(Constraint):
     """A constraint of your own: one or more equations, such as those of a rope over a pulley.
 
-    Any equations of coordinates, parameters and t; each expression is kept at zero.
+    The bearing of a pulley carries the rope only if an expression contains the pulley's x and y.
     """
 
     kind = "constraint"

@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.drawing import shapes
-from codegen.drawing.annotations import Series, loads
+from codegen.drawing.annotations import Series, acting_loads
 from codegen.drawing.contacts import moving_surfaces, nearest_side, touch
 from codegen.drawing.lines_between_bodies import belt_difference, links, windings
 from codegen.drawing.lines_in_bodies import lines_in_bodies
@@ -188,16 +188,15 @@ class _Machine:
     def arrows(self, series: Series) -> Iterator[Row]:
         """All that acts, with its components over time."""
         kinds = {symbol.element: symbol.kind for symbol in self.picture.symbols}
-        for load in loads(self.picture, series):
+        for load in acting_loads(self.picture, series):
             value: Any = self.over_time(load.value)
-            if np.isfinite(load.at * value).any() and load.size > 0:
-                parts = (value,) if load.style == "torque" else (value.real, value.imag)
-                at = {"path": self.path(load.at)} if load.place is None else self.place(load.place)
-                yield {
-                    "element": load.element, "kind": kinds[load.element], "style": load.style,
-                    "label": load.label, "unit": load.unit, "at": at,
-                    "value": [rounded(part) for part in parts],
-                }  # fmt: skip
+            parts = (value,) if load.style == "torque" else (value.real, value.imag)
+            at = {"path": self.path(load.at)} if load.place is None else self.place(load.place)
+            yield {
+                "element": load.element, "kind": kinds[load.element], "style": load.style,
+                "label": load.label, "unit": load.unit, "at": at,
+                "value": [rounded(part) for part in parts],
+            }  # fmt: skip
 
     def with_place(self, mark: Row) -> Row:
         """A mark of an event with the place where bodies hit each other, if it flashes."""

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from codegen.errors import InputError
-from codegen.readers.quantities import FORM, read_condition
+from codegen.readers.quantities import FORM, UnitError, read_condition
 from linkwright.cli.options import Request
 from runtime import load_case
 
@@ -179,6 +179,9 @@ def test_conditions_of_many_spaces_are_read_at_once(read: Callable[..., str]) ->
         with pytest.raises(InputError, match="--until"):
             Request("x", run={"until": [f"{gap}a{gap}:{text}"]}).words()
     assert read_condition(f"{gap}a b{gap}<{gap}3 mm{gap}") == ("a b", "<", "3 mm")
+    assert read_condition("a <= -3 mm") == ("a", "<", "-3 mm")
+    with pytest.raises(UnitError, match="is no condition"):
+        read_condition("a >=")
 
 
 @pytest.mark.parametrize("unit", ["m^(1/0)", "m^(1/00)", "kg m**(2/0)"])

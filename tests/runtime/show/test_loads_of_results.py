@@ -12,6 +12,7 @@ from codegen import Model, t
 from codegen.drawing.annotations import loads
 from runtime import load
 from runtime.show.pictures import exerted, moving_picture
+from tests.runtime.show.page_data import header_of
 
 GRAVITY = 9.81
 
@@ -130,3 +131,16 @@ def test_rounding_has_no_arrow(tmp_path: Path) -> None:
     run = load(model, generated=tmp_path).simulate(1.0, progress=False)
     assert "push on wheel: 30 N m" in texts(run.draw(0.0, forces=True))
     assert not any("N m" in text for text in texts(run.draw(1.0, forces=True)))
+
+
+def test_a_torque_that_is_rounding_beside_the_forces_has_no_arrow(tmp_path: Path) -> None:
+    model = Model("squeezed")
+    jaw = model.body("jaw", mass=1.0, inertia=0.5)
+    model.weld("vice", model.ground.at(0, 0), jaw)
+    model.force("squeeze", on=jaw, fy=6400.0)
+    model.torque("rest", on=jaw, value=2e-12)
+    model.scene("run", ["squeeze", "rest"])
+    run = load(model, generated=tmp_path).inverse_dynamics(0.1, progress=False)
+    assert not any("N m" in text for text in texts(run.draw(forces=True)))
+    shown = {row["label"] for row in header_of(run.animate().html)["runs"][0]["arrows"]}
+    assert shown == {"squeeze on jaw", "vice, ground on jaw"}
