@@ -218,7 +218,7 @@ def test_conditions_on_outputs_that_are_none(
 
     monkeypatch.setattr("runtime.dynamics.output_conditions.simulate_until", no_run)
     for wrong in ({}, ("rod.fx", ">", 3.0), {"": ("rod.fx", ">", 3.0)},
-                  {"a": ("rod.fx", ">=", 3.0)}, {"a": ("rod.fx", ["<"], 3.0)}):  # fmt: skip
+                  {"a": ("rod.fx", "==", 3.0)}, {"a": ("rod.fx", ["<"], 3.0)}):  # fmt: skip
         with pytest.raises(InputError, match=r"until=.*write until="):
             pendulum.simulate(1.0, until=wrong)  # type: ignore[arg-type]
     with pytest.raises(InputError, match=r"until=a.*'rod\.fx = 3' is no condition; write"):
