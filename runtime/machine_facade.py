@@ -1,7 +1,7 @@
 """The machine that a user holds: the analyses as methods, beside its tables and states."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -286,6 +286,7 @@ class Machine(MachineStates):
         self, t_end: "float | npt.ArrayLike | None" = None,
         t_eval: "npt.ArrayLike | int | None" = None, *, parameters: Values | None = None,
         guess: Values | None = None, start: Values | None = None, t_start: float = 0.0,
+        unknown: "Sequence[str] | None" = None, weights: "Mapping[str, float] | None" = None,
         progress: bool = True,
     ) -> "Result":  # fmt: skip
         """Forces and torques that a prescribed motion requires, and the reactions in the joints.
@@ -298,12 +299,18 @@ class Machine(MachineStates):
         ----------
         t_end, t_eval, parameters, guess, start, t_start, progress
             As for `kinematics`: instants in s, values by name in their units, whether a bar shows.
+        unknown
+            Torques, forces of one component, line forces and motors, whose values are found in
+            place of those of the drivers, which exert nothing then. At least as many as drivers.
+        weights
+            Weights of these by name, 1 unless given: of more than drivers, those values are found
+            whose squares, with weight times value in SI units, have the least sum.
 
         Raises
         ------
         AnalysisError
             As `kinematics`; also if the scene has no masses, or if friction sticks, so that the
-            motion does not determine its force.
+            motion does not determine its force; or if the unknown do not move what is driven.
         AssemblyError, InputError
             As `simulate`.
 

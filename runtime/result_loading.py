@@ -22,7 +22,7 @@ from runtime.dynamics.prescribed_motion import DrivenMotionAtInstants
 from runtime.integrate.problem import Discrete
 from runtime.machine_loading import LOADED
 from runtime.mechanism.dense_equations import Equations
-from runtime.mechanism.mechanism import Mechanism, sibling, sibling_named
+from runtime.mechanism.mechanism import Mechanism, seeking, sibling, sibling_named
 from runtime.results.export import require_libraries
 from runtime.results.motion_at_instants import keep
 from runtime.results.result import Result
@@ -109,7 +109,10 @@ def _mechanism_of(path: Path, saved: dict[str, Any], machine: "Machine | None") 
     title, known = saved["title"], [*LOADED] if machine is None else [machine.mechanism]
     model, _, scene = title.partition("/")
     near = [one for one in known if one.description.model == model]
+    if unknown := (saved["motion"] or {}).get("unknown"):
+        scene = scene.removesuffix(f"_unknown_{'_'.join(unknown)}")
     found = [one for one in (sibling_named(one, scene) for one in near) if one is not None]
+    found = [seeking(one, unknown) for one in found] if unknown else found
     if machine is not None and not found:
         raise InputError(
             f"{path} has a result of {title}, and the machine is {machine.description.title}."

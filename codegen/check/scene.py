@@ -55,7 +55,8 @@ class _SceneCheck:
     def __init__(self, model: "Model", scene: Scene) -> None:
         self.model, self.scene, self.parts = model, scene, parts_of(model, scene)
         self.present = {*scene.bodies, *self.parts.joints, *scene.states}
-        self.numbers = model.defaults | {Parameter(k, real=True): x for k, x in scene.parameters}
+        given = (*scene.parameters, *((name, 1.0) for name in scene.unknown))
+        self.numbers = model.defaults | {Parameter(k, real=True): x for k, x in given}
 
     def problems(self) -> Iterator[str]:
         """All others, without the name of the scene."""

@@ -284,7 +284,8 @@ class Effect(Element, Protocol):
     ``hold(bodies) -> Sticking | Rigid | OneWay | None`` for friction that sticks, rigid contacts
     and freewheels; ``pulls(bodies) -> ((s, f), ...)`` for forces along scalars; ``reported(bodies)
     -> ((component, unit, value), ...)`` for a reported force; ``measures(bodies) -> (Measure,
-    ...)`` for outputs that do not follow from the others. `bodies` are those of the scene.
+    ...)`` for outputs that do not follow from the others; ``exerting(value) -> Effect`` for one
+    force or torque, which then has that value. `bodies` are those of the scene.
     """
 
     def potential(self, bodies: Bodies) -> sympy.Expr | None:

@@ -30,6 +30,7 @@ class Choices:
     analysis: Analysis = "dynamics"
     outputs: tuple[str, ...] | None = None
     until: tuple[WatchedCondition, ...] = ()
+    unknown: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,6 +130,8 @@ class Scene(Choices):
         The outputs computed in addition to the motion; None means those of ``"default"``.
     until
         The conditions that end a run.
+    unknown
+        Effects whose values inverse dynamics seeks in place of those of drivers.
     request, owner
         The request that the scene resolves, and the model that declared it.
     expression, root, problems

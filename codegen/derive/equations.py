@@ -271,7 +271,7 @@ def derive(model: "Model", scene: Scene) -> Equations:
     values = {p.name: p.value for p in model.parameters.values()} | dict(scene.parameters)
     parameters = tuple(
         replace(p, value=values[p.name]) for p in model.parameters.values() if p.name in used
-    )
+    ) + tuple(ParameterDeclaration(name, 1.0, "", "positive") for name in scene.unknown)
     taking_part = {*joints, *drivers, *(e.name for e in effects if e.kind != WATCHED)}
     everything = (model.joints, model.drivers, model.effects)
     drawn: dict[str, list[Element]] = {

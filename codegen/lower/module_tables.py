@@ -202,6 +202,8 @@ class Description:
     # (joints, scene) of several joints that may come or go at one instant
     together: tuple[tuple[tuple[str, ...], str], ...]
     controllers: tuple[str, ...]  # those whose samples a run brings
+    # effects whose values are sought: parameters, whose values a run gives as weights
+    unknown: tuple[str, ...]
     jacobian: Pattern  # pattern of Φ_q
     mass: Pattern  # pattern of M
 
@@ -267,6 +269,7 @@ def describe(
         watched=tuple((one.name, one.action, one.target, one.scene) for one in equations.watched),
         together=equations.together,
         controllers=tuple(s.name for s in equations.sampled if s.sample is None),
+        unknown=named.unknown,
         jacobian=Pattern.of(scene.jacobian),
         mass=Pattern.of(scene.mass),
     )

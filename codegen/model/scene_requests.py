@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 from sympy import S
 
@@ -16,6 +16,7 @@ from codegen.declare.element import EXERTED, QUANTITIES, Effect, Reported, label
 from codegen.declare.returned_values import effect_expressions, friction_law
 from codegen.declare.scene import ANALYSES, Request, Scene, name_of
 from codegen.declare.state import WatchedCondition, states_in
+from codegen.declare.symbols import Parameter
 from codegen.declare.value_reader import Names, Reader
 from codegen.drawing import shapes
 from codegen.errors import ModelError
@@ -114,6 +115,8 @@ class SceneRequests(MovingBodies, Connections):
         """Name → the effects of a scene, in the fidelity that it asks for, and rates of states."""
         how = dict(scene.fidelity)
         effects = {name: self._form(name, how) for name in scene.effects}
+        for name in scene.unknown:  # which `scene_seeking` has found to be of one value
+            effects[name] = cast(Any, effects[name]).exerting(Parameter(name, real=True))
         return effects | {name: self.states[name].effect for name in scene.states}
 
     def _form(self, name: str, how: Mapping[str, str]) -> Effect:

@@ -20,7 +20,7 @@ from codegen.model.connections import MOST
 from codegen.model.scene_requests import NONE, ONE, SceneRequests
 from codegen.readers.values import KindError, name_problem, nearest, plain_number, shown
 
-UNCHANGED = ("parameters", "until", "frozen", "analysis")
+UNCHANGED = ("parameters", "until", "frozen", "analysis", "unknown")
 """Fields that a scene takes from its request as they are."""
 
 

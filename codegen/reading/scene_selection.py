@@ -1,6 +1,6 @@
 """The scenes of a model that are built: chosen by name or given, checked, with other defaults.
 
-Their variants differ by one effect left out or one other fidelity.
+Their variants differ by one effect left out, one other fidelity, or effects of sought values.
 """
 
 from collections.abc import Mapping, Sequence
@@ -8,15 +8,17 @@ from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
 
+from sympy import S
+
 from codegen.check.declaration import check_model
 from codegen.check.scene import check_scene
-from codegen.declare.returned_values import replaced_body
+from codegen.declare.returned_values import measures_of, replaced_body
 from codegen.declare.scene import Scene
 from codegen.errors import ModelError, ParameterError, SceneError
 from codegen.model import Model
 from codegen.model.base import TRACKED
 from codegen.model.bodies import FORMS
-from codegen.model.scene_requests import NONE
+from codegen.model.scene_requests import DEFAULT, NONE
 from codegen.readers.quantities import UnitError, finite_in_unit
 from codegen.readers.values import nearest, one_line, shown
 from codegen.reading.model_file import read_model
@@ -90,6 +92,31 @@ def valid_scenes(model: Model, names: str | Scene | Sequence[str | Scene] | None
     if any(asked):
         raise ModelError(dict.fromkeys(chain.from_iterable(asked)))
     return [s for s, own in found if not own]
+
+
+def scene_seeking(model: Model, scene: Scene, unknown: Sequence[str]) -> Scene:
+    """The scene in which the values of effects are sought, with them among its outputs."""
+    acting, bodies = model.acting(scene), tuple(model.bodies[name] for name in scene.bodies)
+    sought = {n: e.exerting(S.One) for n, e in acting.items() if hasattr(e, "exerting")}
+    found = [name for name, effect in sought.items() if effect is not None]
+    problems = [
+        f"scene '{scene.name}': '{name}' is no torque, line force, motor or force of one component "
+        f"that acts, and has no value that could be sought; {nearest(name, found)}"
+        for name in unknown
+        if name not in found
+    ]
+    if problems:
+        raise SceneError(problems)
+    outputs = [*((DEFAULT,) if scene.outputs is None else scene.outputs)]
+    outputs += [f"reaction({name})" for name in scene.drivers]
+    for name in unknown:
+        quantities = {one.quantity for one in measures_of(sought[name], bodies) or ()}
+        outputs += [f"{word}({name})" for word in ("force", "torque") if word in quantities]
+    request = replace(scene.request, unknown=tuple(unknown), frozen=False, outputs=tuple(outputs))
+    return replace(
+        scene, name=f"{scene.name}_unknown_{'_'.join(unknown)}", request=request, owner=None,
+        root=scene.root or scene, expression=f"{model.name}.scene({scene.name!r}), unknown",
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -67,12 +67,17 @@ def kinematics(
 @command("linkwright inverse four_bar.py --scene driven --t-end 1 --out torque.csv", name="inverse")
 @with_request()
 def inverse(
-    request: Request, t_end: TEnd, t_start: TStart = 0.0, points: Points = None, out: Out = None
-) -> None:
+    request: Request, t_end: TEnd, t_start: TStart = 0.0, points: Points = None, out: Out = None,
+    unknown: list[str] | None = option(
+        None, "An effect that does what drivers would; repeat for each.", metavar="NAME"
+    ),
+) -> None:  # fmt: skip
     """Find the forces and torques that a prescribed motion requires: inverse dynamics."""
     _carry_out(
-        request, out, lambda machine: machine.inverse_dynamics(**_prescribed(request, machine))
-    )
+        request, out, lambda machine: machine.inverse_dynamics(
+            **_prescribed(request, machine) | ({"unknown": unknown} if unknown else {})
+        ),
+    )  # fmt: skip
 
 
 @command(

@@ -106,6 +106,8 @@ def _options_of(case: "Case", context: typer.Context) -> dict[str, Any]:
         )
     words = read_run(case.analysis, case.run)
     words.pop("until", None)  # which joins those of the option
+    if "unknown" in words and analysis not in (*ANALYSES, "report"):
+        raise InputError(f"{case.path}: {command} seeks no values; leave run.unknown out.")
     if type(instants := words.pop("t_eval", None)) is int:
         words["points"] = instants
     if isinstance(case.scene, str):
@@ -228,7 +230,8 @@ class Request:
             for word, values in given.items():
                 stated = of_case.pop(word, {}).items()
                 given[word] = {k: x for k, x in stated if k not in varied} | values
-            of_case = {k: x for k, x in of_case.items() if k == "t_eval" and machine}
+            own = ("t_eval", "unknown", "weights") if machine else ()
+            of_case = {k: x for k, x in of_case.items() if k in own}
         run = {name: value for name, value in self.run.items() if name != "until"}
         return run | of_case | {word: values for word, values in given.items() if values}
 

@@ -175,12 +175,15 @@ class _Rest(_Keys):
     t: Seconds = _key("Instant at which drivers and forces are frozen, s.")
 
 
+_MOTION = _words("Motion", ("t_end", "t_eval", "t_start"))
 RUN: dict[str, type[BaseModel]] = {
     "simulate": _words("Simulation", {one.name for one in OPTIONS}),
-    "kinematics": _words("Motion", ("t_end", "t_eval", "t_start")),
-    "equilibrium": _Rest,
-}
-RUN["inverse_dynamics"] = RUN["kinematics"]
+    "kinematics": _MOTION, "equilibrium": _Rest,
+    "inverse_dynamics": create_model(
+        "Forces", __base__=_MOTION, unknown=(Names, _key("Effects that do what drivers would.")),
+        weights=(Values, _key("Of these, where they are more than drivers: effect: weight.")),
+    ),
+}  # fmt: skip
 """Analysis → its words, those of the method of `Machine`."""
 
 

@@ -143,8 +143,8 @@ def evaluate(
 
     States are (k, n), modes (k, s); these are determined from the states by default.
     """
-    description, kernels, p = equations.description, equations.table, equations.p
-    m, s, samples = equations.m, len(description.switches), empty_samples(description, len(t))
+    description, p = equations.description, equations.p
+    s, samples = len(description.switches), empty_samples(description, len(t))
     t, q, v = (np.ascontiguousarray(array, dtype=np.float64) for array in (t, q, v))
     samples = samples._replace(t=t, q=q, v=v)
     samples.share.fill(np.nan)
@@ -152,7 +152,19 @@ def evaluate(
         samples = samples._replace(modes=np.ascontiguousarray(modes, dtype=np.int64))
     if modes is None and s:
         bands = _find_bands(equations, samples)
-        _find_modes(kernels, samples, p, bands, np.zeros((2, s)), description.boundaries)
+        _find_modes(equations.table, samples, p, bands, np.zeros((2, s)), description.boundaries)
+    if description.unknown:
+        from runtime.dynamics.unknown_forces import Transmission  # others load none of it
+
+        Transmission(equations, samples).write_samples(samples)
+    else:
+        evaluate_rows(equations, samples)
+    return samples
+
+
+def evaluate_rows(equations: Equations, samples: Samples) -> None:
+    """Write what follows from the states and modes of samples."""
+    description = equations.description
     plain = np.where(samples.modes == SLIDING, 0, samples.modes)
     closed = [contact.switch for contact in description.rigid]
     closed += [k for k, row in enumerate(description.switches) if row.one_way]
@@ -160,13 +172,12 @@ def evaluate(
         plain[:, closed] = 1
     rows, columns = description.jacobian_rows, description.jacobian_columns
     evaluate_samples(
-        kernels, samples, p, plain, rows.astype(np.int64), columns.astype(np.int64),
-        np.zeros(len(rows)), np.zeros(m),
+        equations.table, samples, equations.p, plain, rows.astype(np.int64),
+        columns.astype(np.int64), np.zeros(len(rows)), np.zeros(equations.m),
     )  # fmt: skip
     if (samples.modes == SLIDING).any():
         _overwrite_sliding(equations, samples)
     leave_out_unknown(description, samples)
-    return samples
 
 
 def leave_out_unknown(description: Description, samples: Samples) -> None:

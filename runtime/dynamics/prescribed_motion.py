@@ -140,17 +140,23 @@ def _asked(equations: Equations, analysis: str) -> Equations:
 
 def inverse_dynamics(
     mechanism: Mechanism, t_eval: npt.ArrayLike, *, parameters: Numbers | None = None,
-    **options: Any,
+    unknown: tuple[str, ...] | None = None, weights: Numbers | None = None, **options: Any,
 ) -> Result:  # fmt: skip
     """Motion, reactions, drives and powers at the instants `t_eval`; options as `kinematics`."""
     description = mechanism.description
     if not description.has_masses:
         raise AnalysisError(description.need_masses("inverse dynamics", ", or ask for kinematics"))
-    p = parameter_values(mechanism, parameters)
-    require_masses(mechanism, p)
+    require_masses(mechanism, parameter_values(mechanism, parameters))
+    if sought := unknown is not None or weights:
+        from runtime.dynamics.unknown_forces import describe_unknown, variant_with_unknown
+
+        mechanism, given = variant_with_unknown(mechanism, unknown or (), weights or {})
+        parameters = {**(parameters or {}), **given}
     options |= {"parameters": parameters, "analysis": "inverse dynamics"}
     result = kinematics(mechanism, t_eval, **options)
-    name_held_frictions(result, Equations(result._mechanism or mechanism, p))
+    if sought:
+        describe_unknown(result)
+    name_held_frictions(result, Equations(mechanism, parameter_values(mechanism, parameters)))
     return result
 
 
@@ -195,7 +201,8 @@ class DrivenMotionAtInstants(Motion):
         """Its start and its instants."""
         start = self.start
         return {"t": start.t, "q": start.q, "v": start.v, "preferred": self.preferred,
-                "times": self.times, "source": source_of(self.mechanism)}  # fmt: skip
+                "times": self.times, "unknown": self.mechanism.description.unknown,
+                "source": source_of(self.mechanism)}  # fmt: skip
 
     def resumed(self, result: Result, *_: Any) -> Result:
         """None: drivers prescribe the motion at every instant."""

@@ -283,6 +283,21 @@ def sibling_named(mechanism: Mechanism, scene: str) -> Mechanism | None:
     return None if joints is None else sibling(mechanism, joints)
 
 
+def seeking(mechanism: Mechanism, unknown: tuple[str, ...]) -> Mechanism:
+    """The mechanism of the same scene in which the values of these effects are sought; built."""
+    known: dict[tuple[str, ...], Mechanism] = vars(mechanism).setdefault("seeking", {})
+    if unknown not in known:
+        from codegen.reading.scene_selection import declared, scene_seeking
+
+        what = f"its variant with the unknown {', '.join(unknown)}"
+        origin, source = mechanism.need_origin(what), mechanism.declared(what)
+        variant = scene_seeking(*declared(*source), unknown)
+        reports = mechanism.rebuilt(what, source[1], variant, unroll=unroll_of(origin.text))
+        report = next(one for one in reports if one.path != origin.path)
+        known[unknown] = read_mechanism(report.path, report.text, source[0], variant)
+    return known[unknown]
+
+
 def _built(mechanism: Mechanism, scene: str, joints: Set[str]) -> Mechanism:
     """The sibling's module, loaded where it is there and of the same sources, else built."""
     what = f"scene '{scene}', in which the run goes on,"

@@ -84,6 +84,8 @@ class Description:
     # (joints, scene that follows) of several joints that may come or go at one instant
     together: tuple[tuple[tuple[str, ...], str], ...] = ()
     controllers: tuple[str, ...] = ()  # those among them whose samples a run brings
+    # effects whose values are sought: parameters, whose values a run gives as weights
+    unknown: tuple[str, ...] = ()
 
     @cached_property
     def title(self) -> str:

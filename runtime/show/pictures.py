@@ -52,8 +52,8 @@ def picture_at_states(
 ) -> Picture:
     """The picture in motion at states, without outlines that follow from joints.
 
-    Its companion module is built where it is missing. Parameters, (np,), may have the constants
-    behind them; instants in s are (k,), coordinates and velocities (k, n).
+    Its companion module is built where it is missing. Parameters, (np,) or (k, np), may have the
+    constants behind them; instants in s are (k,), coordinates and velocities (k, n).
     """
     module = mechanism.companion("picture")
     bodies = tuple(BodyLayout(*row) for row in module.BODIES)
@@ -61,12 +61,13 @@ def picture_at_states(
     layout = Layout(mechanism.title.replace("/", ", "), bodies, rows)
     numbers = np.zeros((len(t), layout.size))
     q, v = np.ascontiguousarray(q, dtype=float), np.ascontiguousarray(v, dtype=float)
+    at_each = np.array(np.broadcast_to(p, (len(t), p.shape[-1])))
     for k in range(len(t)):
-        module.picture(float(t[k]), q[k], v[k], p, numbers[k])
+        module.picture(float(t[k]), q[k], v[k], at_each[k], numbers[k])
 
     def curves(alpha: float) -> FloatArray:
         points = np.zeros(2 * layout.curves)
-        module.curves(alpha, p, points)
+        module.curves(alpha, at_each[0], points)
         return points
 
     return layout.picture(t, numbers, curves)
@@ -164,6 +165,10 @@ def _of_span(result: "Result", mechanism: Mechanism, rows: slice) -> Picture:
     places = {name: k for k, name in enumerate(there.coordinates.names)}
     columns = [places[name] for name in here.coordinates.names]
     p = np.array([result.parameters.get(row.name, row.default) for row in here.parameters])
+    p = np.tile(p, (len(samples.t[rows]), 1))
+    for name in here.unknown:  # which exerts one of its components
+        parts = [k for k, r in enumerate(here.reactions) if r.element == name and "N" in r.unit]
+        p[:, here.parameters.index(name)] = samples.reaction[rows][:, parts].sum(axis=1)
     q, v = samples.q[rows][:, columns], samples.v[rows][:, columns]
     return picture_at_states(mechanism, p, samples.t[rows], q, v)
 

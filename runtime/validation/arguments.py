@@ -285,6 +285,8 @@ KINDS: dict[str, Reader] = {
     "t_eval": optional(read_instants),
     "parameters": optional(readers.values('{"mass": 2.0}')),
     "guess": optional(_values),
+    "unknown": optional(readers.texts('("motor",)')),
+    "weights": optional(readers.values('{"motor": 2.0}')),
     "quantities": optional(readers.texts('("crank.phi",)')),
     "correction": readers.text("the name of a correction"),
     **dict.fromkeys(("method", "formulation"), optional(readers.text("a name"))),

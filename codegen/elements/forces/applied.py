@@ -1,5 +1,6 @@
 """Loads that are given: gravity, potentials, forces and torques (Haug 6.1)."""
 
+from dataclasses import replace
 from typing import Literal
 
 import sympy
@@ -130,6 +131,12 @@ class AppliedForce(Effect):
         torque = (self.point.y - y) * fx - (self.point.x - x) * fy
         return {other.x: -fx, other.y: -fy, **other.torque(torque)}
 
+    def exerting(self, value: sympy.Expr) -> "AppliedForce | None":
+        """The force whose only component is that value; None where it has two."""
+        if (self.fx == 0) == (self.fy == 0):
+            return None
+        return replace(self, fx=value) if self.fy == 0 else replace(self, fy=value)
+
     def measures(self, bodies: Bodies) -> Measures:
         """F, in the axes in which it is given."""
         return Measure("force", "fx", "N", self.fx), Measure("force", "fy", "N", self.fy)
@@ -182,6 +189,10 @@ class AppliedTorque(Effect):
             return on
         return on | self.from_.torque(-self.value)
 
+    def exerting(self, value: sympy.Expr) -> "AppliedTorque":
+        """The torque of that value."""
+        return replace(self, value=value)
+
     def measures(self, bodies: Bodies) -> Measures:
         """The torque."""
         return (Measure("torque", "", "N m", self.value),)
@@ -227,6 +238,10 @@ class LineForce(SpanMeasures, Effect):
     def pulls(self, bodies: Bodies) -> Pulls:
         """f along ℓ."""
         return ((self.length, self.value),)
+
+    def exerting(self, value: sympy.Expr) -> "LineForce":
+        """The force of that value."""
+        return replace(self, value=value)
 
     def problems(self) -> list[str]:
         """Two points that keep their distance, and a force that is none."""

@@ -1,5 +1,7 @@
 """Torques between bodies that turn: motors, freewheels, elastic belts and gears."""
 
+from dataclasses import replace
+
 import sympy
 
 from codegen.declare.body import Bodies, Body
@@ -45,6 +47,10 @@ class Motor(measures.TurnMeasures, Effect):
         """T tends to make θ = φ_j - φ_i larger."""
         line = SPEED / self.no_load_speed - self.voltage
         return ((self.angle, self.stall_torque * line),)
+
+    def exerting(self, value: sympy.Expr) -> "Motor":
+        """The motor whose torque is that value at any speed."""
+        return replace(self, stall_torque=value, no_load_speed=sympy.oo, voltage=sympy.S.One)
 
     def measures(self, bodies: Bodies) -> Measures:
         """θ, ω and T."""

@@ -73,6 +73,7 @@ def _first_infinite(result: Result, equations: Equations, samples: Samples) -> i
             return k
         if not sound[k]:
             singular = np.isnan(samples.a[k]).all() and equations.motion(*state)[2] > 0
+            singular |= bool(equations.description.unknown) and np.isfinite(samples.a[k]).all()
             if not singular or infinite_terms(equations, *state):
                 return k
     return len(samples.t)

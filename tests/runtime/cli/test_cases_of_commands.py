@@ -20,7 +20,9 @@ model.revolute("hinge", model.ground.at(0, 0), bob.at(-1, 0))
 model.torque("damper", on=bob, value=-damping * bob.omega)
 model.driver("turn", bob.phi, speed * t)
 model.scene("swing", ["gravity", "damper"], start={bob.phi: 0.0, bob.omega: 0.0})
-model.scene("driven", ["gravity"], drivers=["turn"])
+winch = model.torque("winch", on=bob, value=0)
+jack = model.force("jack", on=bob, fy=1)
+model.scene("driven", ["gravity", winch, jack], drivers=["turn"])
 """
 _CASES = {
     "swing.yaml": "scene: swing\nparameters: {damping: 0.5}\nstart: {bob.phi: 30 deg}\n"
@@ -29,6 +31,8 @@ _CASES = {
     "scene.yaml": "scene: {name: bare, extends: swing, without: [damper]}\nrun: {t_end: 0.3}\n",
     "turn.yaml": "scene: driven\nanalysis: inverse_dynamics\nparameters: {speed: 60 rpm}\n"
     "run: {t_end: 1, t_eval: 3}\n",
+    "lift.yaml": "scene: driven\nanalysis: inverse_dynamics\nrun: {t_end: 1, t_eval: 3, "
+    "unknown: [winch, jack], weights: {jack: 2.0}}\n",
     "late.yaml": "scene: swing\nanalysis: equilibrium\nguess: {bob.phi: -80 deg}\n"
     "run: {t: 20 ms}\n",
     "settled.yaml": "scene: swing\nanalysis: equilibrium\nrun: {method: settling}\n",
@@ -111,6 +115,17 @@ def test_prescribed_motions_and_positions_of_rest(run: Callable[..., Result]) ->
     assert facts(run("equilibrium", "rest.yaml", "--json"))["q"]["bob.phi"] == pytest.approx(
         -1.5707963
     )
+
+
+def test_unknowns_of_options_and_cases(run: Callable[..., Result]) -> None:
+    words = ("inverse", "commanded.py", "--scene", "driven", "--t-end", "1", "--json")
+    assert "Sought: winch, in place of turn" in facts(run(*words, "--unknown", "winch"))["message"]
+    of_case = facts(run("inverse", "lift.yaml", "--json"))
+    assert "with weights winch 1, jack 2." in of_case["message"]
+    assert of_case["instants"] == 3
+    assert run("report", "lift.yaml", "--out", "lift.html").exit_code == 0
+    done = run("sweep", "lift.yaml", "--over", "speed=1,2", "--quantity", "bob.phi")
+    assert "lift.yaml: sweep seeks no values; leave run.unknown out" in done.stderr
 
 
 def test_reports_and_studies_take_cases(run: Callable[..., Result], place: Path) -> None:
