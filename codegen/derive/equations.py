@@ -272,8 +272,8 @@ def derive(model: "Model", scene: Scene) -> Equations:
     parameters = tuple(
         replace(p, value=values[p.name]) for p in model.parameters.values() if p.name in used
     ) + tuple(ParameterDeclaration(name, 1.0, "", "positive") for name in scene.unknown)
-    taking_part = {*joints, *drivers, *(e.name for e in effects if e.kind != WATCHED)}
-    everything = (model.joints, model.drivers, model.effects)
+    acting = {e.name for e in effects if e.kind != WATCHED}
+    everything = ((model.joints, joints), (model.drivers, drivers), (model.effects, acting))
     drawn: dict[str, list[Element]] = {
         "joint": [*joints.values()],
         "driver": [*drivers.values()],
@@ -293,10 +293,7 @@ def derive(model: "Model", scene: Scene) -> Equations:
         inertia_force=force,
         constraints=constraints,
         left_out=tuple(
-            (e.name, e.kind)
-            for table in everything
-            for e in table.values()
-            if e.name not in taking_part
+            (e.name, e.kind) for of, own in everything for e in of.values() if e.name not in own
         ),
         unused=tuple(name for name in model.parameters if name not in used),
         states=states,

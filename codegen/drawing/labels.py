@@ -127,7 +127,10 @@ _OTHERS: dict[type[shapes.Shape], tuple[float, str]] = {
 
 def _others(picture: Picture) -> Iterator[Label]:
     """Names of drivers, springs and tracked points."""
+    joints = {symbol.element for symbol in picture.symbols if symbol.role == "joint"}
     for symbol, shape in picture.having(*_OTHERS):
+        if symbol.element in joints:  # a point that bears the name of a joint
+            continue
         room, color = _OTHERS[type(shape)]
         if isinstance(shape, shapes.Drive) and shape.turns:
             room = ROUND_ARROW

@@ -131,7 +131,8 @@ def _problems_of_scene(model: Model, name: str) -> list[str]:
 
 
 def _facts(model: Model, equations: Equations, lowered: Lowered, found: Findings) -> SceneFacts:
-    left_out = tuple(name for name, _ in equations.left_out)
+    rows = equations.left_out  # a point that bears the name of a joint is not meant
+    left_out = tuple(n for n, kind in rows if kind != TRACKED or n not in model.joints)
     texts = "\n".join(switch.text for switch in equations.switches)
     gap, moved, notes, problem = None, list[Moved](), found.notes, ""
     try:

@@ -44,7 +44,7 @@ class Selection:
         # A run holds a friction in a joint that sticks against its limit in each position.
         laws = ((e.name, e.terms.friction) for e in equations.effects)
         self._needed = {name for name, law in laws if law and law.limit is not None}
-        self._needed |= set(tracked_points(equations))
+        self._points = tracked_points(equations)
         self._massive = bool(equations.mass)
 
     def energy(self) -> bool:
@@ -64,7 +64,8 @@ class Selection:
         return [row for row in scene.reactions if self._reported(row)]
 
     def _reported(self, row: Reaction) -> bool:
-        if "reaction" in row.words and row.element in self._needed:
+        is_place = row.element in self._points and row.unit in ("m", "m/s")
+        if is_place or ("reaction" in row.words and row.element in self._needed):
             return True
         asked = (self._names(word, row.element) for word in row.words if word != "reaction")
         if self.outputs is not None and any(asked):

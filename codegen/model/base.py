@@ -144,6 +144,11 @@ class Declarations:
         """All bodies, joints, effects, drivers and states by name."""
         return {**self.bodies, **self.joints, **self.effects, **self.drivers, **self.states}
 
+    @property
+    def effects_alone(self) -> dict[str, Effect]:
+        """The effects, without points that bear the name of a joint."""
+        return {name: one for name, one in self.effects.items() if name not in self.joints}
+
     def _value(self, value: Any, unit: str, where: str, sign: sy.SignRule = "") -> Any:
         """An expression in `unit`; a parameter that stands alone obeys the sign rule henceforth."""
         read = self._read.value(value, unit, where)
@@ -172,14 +177,18 @@ class Declarations:
             self._note(problem)
             return False
         assert isinstance(name, str)
-        if known := self._kinds.get(name):
+        known = self._kinds.get(name)
+        shared = {known, kind} == {"joint", TRACKED}  # a pin and its point; each is declared once
+        if known and not (
+            shared and name not in (self.joints if kind == "joint" else self.effects)
+        ):
             article = "an" if known[0] in "aeiou" else "a"
             self._note(
                 f"{kind} '{name}': the name is already that of {article} {known}; "
                 "give every element its own name."
             )
             return False
-        self._kinds[name] = kind
+        self._kinds[name] = "joint" if shared else kind
         return True
 
     def _declare(self, element: Declared) -> Declared:

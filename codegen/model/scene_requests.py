@@ -193,13 +193,16 @@ class SceneRequests(MovingBodies, Connections):
                     f"'{choice}', which the scene takes; give fidelity={{'{group}': ...}} and "
                     "leave the other's effects out."
                 )
-            included += members if group in how else ()
+            included += [n for n in members if n not in self.joints] if group in how else ()
             excluded += others
         return tuple(included), tuple(excluded)
 
     @declares(TrackedPoint)
     def track(self, name: str, point: Place) -> TrackedPoint:
         """A point whose place a scene may ask for, by ``outputs=["point(NAME)"]`` or ``"points"``.
+
+        It may bear the name of a joint: ``C.x`` is the point's and ``C.fx`` the joint's, and scenes
+        that leave out or take in ``C`` mean the joint.
 
         Parameters
         ----------
@@ -257,7 +260,7 @@ class SceneRequests(MovingBodies, Connections):
             return None
         match = ONE.match(word)
         points = self.points
-        acting = [n for n in (*self.joints, *self.drivers, *self.effects) if n not in points]
+        acting = [*self.joints, *self.drivers, *(n for n in self.effects if n not in points)]
         if match is None:
             words = [f"{group}({n})" for group in ("reaction", "power", "work") for n in acting]
             words += [f"{quantity}({n})" for quantity in QUANTITIES for n in self.effects]
@@ -306,10 +309,11 @@ class SceneRequests(MovingBodies, Connections):
     ) -> tuple[Request, frozenset[str]]:
         """The request of a scene, and what of an inherited one its explicit keywords replace."""
         roles, quantities = self._roles(), (self.unit_of, self._quantities)
+        named = {**self.effects_alone, **self.states}
         explicit = {key: words[key] for key in DEFAULTS if words[key] is not None}
         chosen = DEFAULTS | explicit
         request = Request(
-            effects=read.elements(effects, {**self.effects, **self.states}, "effect", where, roles),
+            effects=read.elements(effects, named, "effect", where, roles),
             drivers=read.elements(drivers, self.drivers, "driver", where, roles),
             without=read.elements(words["without"], self.elements, "body or joint", where),
             fidelity=self._read_fidelities(read, where, words["fidelity"], words["couplers"]),
@@ -350,5 +354,5 @@ class SceneRequests(MovingBodies, Connections):
             | dict.fromkeys(self.bodies, f"it is a body, {always}")
             | dict.fromkeys(self.joints, f"it is a joint, {always}")
             | dict.fromkeys(self.drivers, "it is a driver; name it in drivers=.")
-            | dict.fromkeys(self.effects, "it is an effect; name it in effects=.")
+            | dict.fromkeys(self.effects_alone, "it is an effect; name it in effects=.")
         )

@@ -223,7 +223,7 @@ class Scenes(SceneRequests):
         present = [b for b in self.bodies if b not in absent]
         acting = {*named, *included, *self._output_points(request.outputs, present)}
         gone = {n for n in self.connections if n not in connected}
-        acting -= idle | {*request.without}
+        acting -= idle | {*request.without} - {*self.joints}
         rubbing = self._rubbing_in(acting, gone, how)
         acting -= rubbing
         read.problems += [
@@ -287,20 +287,20 @@ class Scenes(SceneRequests):
         added = read.names(taken, "elements", where, known)
         for name in (*removed, *added):
             if name not in known and not (name in added and name in self.groups):
-                leave = name in removed
-                hint = nearest(name, scene.effects if leave else known)
-                verb = "leave out" if leave else "take in"
-                read.note(f"{where}: there is no '{name}' to {verb}; {hint}")
+                ways = (scene.effects, "leave out"), (known, "take in")
+                names, verb = ways[name not in removed]
+                read.note(f"{where}: there is no '{name}' to {verb}; {nearest(name, names)}")
         acting = (*scene.effects, *scene.drivers)
         for name in removed:
-            if name in self.effects | self.drivers and name not in acting:
+            if name in self.effects_alone | self.drivers and name not in acting:
                 hint = nearest(name, acting)
                 read.note(f"{where}: '{name}' does not act in it, so it cannot be left out; {hint}")
         for word in changes:
             if word not in CHANGES:
                 hint = nearest(word, (*CHANGES, "fidelity"))
                 read.note(f"{where}: with_ knows no {word}=; {hint}")
-        effects, drivers = ([n for n in added if n in of] for of in (self.effects, self.drivers))
+        tables = self.effects_alone, self.drivers
+        effects, drivers = ([n for n in added if n in of] for of in tables)
         words = {key: changes.get(key) for key in CHANGES} | {"fidelity": fidelity}
         words["without"] = [n for n in removed if n in known]
         request, explicit = self._read_request(read, where, effects, drivers, **words)
@@ -325,7 +325,7 @@ class Scenes(SceneRequests):
         """The request without effects and drivers that are left out now."""
         choices = chain.from_iterable(group.values() for group in self.groups.values())
         chosen = {*chain.from_iterable(choices)}
-        forces = {n for n in removed if n in self.effects | self.drivers}
+        forces = {n for n in removed if n in self.effects_alone | self.drivers}
         return replace(
             request,
             effects=tuple(n for n in request.effects if n not in removed),
@@ -350,7 +350,7 @@ class Scenes(SceneRequests):
         out_before, out_now = {*before.without}, {*request.without}
         acted = {*before.effects, *before.drivers} - out_before
         acting = {*request.effects, *request.drivers} - out_now
-        order = [*self.bodies, *self.joints, *self.effects, *self.drivers]
+        order = [*self.bodies, *self.joints, *self.effects_alone, *self.drivers]
         removed = [n for n in order if n in (out_now - out_before) | (acted - acting)]
         added = [n for n in order if n in (out_before - out_now) | (acting - acted)]
         added += [n for n in new if new[n] != old.get(n) and n not in added]

@@ -132,8 +132,8 @@ def describe_unknown(result: Result) -> None:
     best = int(np.argmax(found.rank))
     if found.rank[best] < count and not result.failed:
         raise AnalysisError(
-            f"{result.description.title}: drivers move {driven}, and {names} move {found.rank[best]} of "
-            f"these {count}: {_fault(found, best)}. Name other effects in their place."
+            f"{result.description.title}: drivers move {driven}, and {names} move "
+            f"{found.rank[best]} of these {count}: {_fault(found, best)}. Name other effects."
         )
     message = f" Sought: {names}, in place of {driven}."
     if len(found.names) > count:

@@ -245,9 +245,9 @@ def _exerted(description: "Description") -> Found:
         reaction, own = ("reaction", of, row.component), [(quantity, of, part)]
         if count[quantity, of] == 1:  # the only component is the whole
             own.insert(0, (quantity, of, ""))
-        if of in tracked:
+        if of in tracked and row.unit in ("m", "m/s"):  # a joint may bear its name
             kind, part, calls = "point", row.component, [("point", of, row.component)]
-        elif of in effects:
+        elif of in effects - tracked:
             kind, calls = "effect", [*own, reaction]
         else:
             kind, part, calls = "reaction", row.component, [reaction, *own]
