@@ -75,6 +75,7 @@ _ADVICE = (
     "what is not positive"
 )
 _JUMP = 1e-9  # accuracy: of the typical size; a smaller jump is rounding
+_WIDER = 5.0  # safety: distances of a kink's sides; a jump is as large between places that far
 
 
 class Passages:
@@ -160,7 +161,7 @@ class Passages:
             if jump > least and acts(place, kink, q, v, self.equations.p, self.size):
                 what = f"jumps by {jump:.6g} at t = {kink.after:.9g} s, where its rate acts"
                 return self._end(kink._replace(function=number), what, -1)
-        (phi, nu, gamma, *forces), (phi_after, nu_after, gamma_after, *forces_after) = sides
+        (phi, nu, gamma, *_), (phi_after, nu_after, gamma_after, *_) = sides
         apart, most = kink.after - kink.before, np.maximum
         jumps = np.abs(phi_after - phi) - 2.0 * apart * most(np.abs(nu), np.abs(nu_after))
         if np.any(jumps > _JUMP * self.size):
@@ -184,8 +185,13 @@ class Passages:
                 return bool(abs(rate - nu_after[row]) < abs(rate - nu[row]))
 
             return here._replace(v=v_after, behind=behind, event=Direction.IMPACT)
-        pairs = zip((gamma, *forces), (gamma_after, *forces_after), strict=True)
-        bends = any(not np.allclose(a, b, rtol=_JUMP, atol=_JUMP) for a, b in pairs)
+        before, after = (np.concatenate(values[2:]) for values in sides)
+        bends = not np.allclose(before, after, rtol=_JUMP, atol=_JUMP)
+        if bends:  # or both are steep alone
+            instants = kink.before - _WIDER * apart, kink.after + _WIDER * apart
+            left, right = (np.concatenate(self._values(t, q, v, modes)[2:]) for t in instants)
+            most_steep = np.maximum(_JUMP * (1.0 + np.abs(after)), 0.5 * np.abs(right - left))
+            bends = not np.all(np.abs(after - before) <= most_steep)
         return here._replace(event=Direction.BEGAN if bends else None)
 
     def _while_closed(self, kink: Kink, q: Vector, v: Vector, modes: Integers) -> Passage | None:
