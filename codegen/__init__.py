@@ -26,6 +26,7 @@ from codegen.errors import (
 TYPE_CHECKING = False  # type checkers take it as true; importing typing would load modules
 if TYPE_CHECKING:
     from codegen.declare.body import Body, Curve, Point
+    from codegen.declare.cam_profiles import CamProfile, flat_faced_cam, roller_cam
     from codegen.declare.element import (
         ConjugateReaction,
         Constraint,
@@ -36,7 +37,8 @@ if TYPE_CHECKING:
         Measure,
         Statement,
     )
-    from codegen.declare.outline_files import read_outline
+    from codegen.declare.motion_program import MotionProgram, fourier_series, motion_program
+    from codegen.declare.outline_files import read_outline, write_path
     from codegen.declare.outlines import Outline, bar, disc, polygon, rectangle
     from codegen.declare.scene import Scene
     from codegen.declare.symbols import SPEED, Coordinate, alpha, coordinate, given, t
@@ -53,7 +55,9 @@ __version__ = "0.1.0"
 _ROOMS = {
     "codegen.model": ("Model",),
     "codegen.declare.body": ("Body", "Curve", "Point"),
-    "codegen.declare.outline_files": ("read_outline",),
+    "codegen.declare.cam_profiles": ("CamProfile", "flat_faced_cam", "roller_cam"),
+    "codegen.declare.motion_program": ("MotionProgram", "fourier_series", "motion_program"),
+    "codegen.declare.outline_files": ("read_outline", "write_path"),
     "codegen.declare.outlines": ("Outline", "bar", "disc", "polygon", "rectangle"),
     "codegen.declare.element": (
         *("ConjugateReaction", "Constraint", "Effect", "I", "J", "JointReaction", "Measure"),
@@ -77,6 +81,8 @@ __all__ += ["Measure", "Scene", "SceneEquations", "SceneError", "Statement", "Su
 __all__ += ["TableWarning", "UnknownNameError"]
 __all__ += ["__version__", "alpha", "bar", "build", "coordinate", "disc", "element", "given"]
 __all__ += ["polygon", "read_outline", "rectangle", "t"]
+__all__ += ["CamProfile", "MotionProgram", "flat_faced_cam", "fourier_series", "motion_program"]
+__all__ += ["roller_cam", "write_path"]
 
 
 def __getattr__(name: str) -> object:

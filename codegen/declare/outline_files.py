@@ -1,4 +1,4 @@
-"""Outlines out of drawings: DXF is read by ezdxf, SVG by svgelements.
+"""Outlines out of drawings, and paths into them: DXF by ezdxf, SVG read by svgelements.
 
 A drawing is a heap of strands, curves from end to end, which are joined into loops: the largest is
 the outline, and the others are its holes.
@@ -21,6 +21,7 @@ from codegen.readers.values import nearest, shown
 GAP = 1e-6  # accuracy: of the drawing's diagonal; ends of lines that are nearer meet
 FLAT = 1e-6  # accuracy: of the diagonal; how far a polygon may be from the spline it stands for
 PARTS = 500  # accuracy: edges for a spline of an SVG file; a half circle errs by 5e-6 of its radius
+_LINE = 0.003  # layout: of the larger side of a path; width of its line in an SVG file
 DRAWN = 5e-4  # layout: of the diagonal; the same of the polygon that is drawn
 
 
@@ -256,3 +257,41 @@ def _svg_strand(path: Any) -> Strand:
         points[-1:] = places.conj().tolist()
         bulges += [bulge] * (len(at) - 1)
     return Strand(points, bulges)
+
+
+@declaring("write_path")
+def write_path(file: str | Path, points: Any, closed: bool = False) -> Path:
+    """Write a path through points, of a cam, a coupler or a slot, into a DXF or SVG file, in mm.
+
+    `read_outline` reads it back; in an SVG file the origin is the upper left corner of the path.
+
+    Parameters
+    ----------
+    file
+        Its path ends in ``.dxf`` or ``.svg``.
+    points
+        (x, y) in m, an array of two columns: ``result.point("P")``, ``profile.points()``.
+    closed
+        Whether the last point is joined to the first.
+    """
+    path, rows = Path(str(file)), 1e3 * np.asarray(points, dtype=np.float64)
+    if rows.ndim != 2 or rows.shape[1] != 2 or not np.isfinite(rows).all() or not len(rows):
+        raise ModelError(f"{path.name}: a path is an array of finite x and y, two columns.")
+    if (kind := path.suffix.lower()) not in (".dxf", ".svg"):
+        raise ModelError(f"{path.name}: a path is written into a file that ends in .dxf or .svg.")
+    if kind == ".dxf":
+        document = library("ezdxf").new()
+        document.units = library("ezdxf.units").MM
+        document.modelspace().add_lwpolyline(rows.tolist(), format="xy", close=closed)
+        document.saveas(path)
+        return path
+    rows = np.column_stack([rows[:, 0] - rows[:, 0].min(), rows[:, 1].max() - rows[:, 1]])
+    width, height = rows.max(axis=0).tolist()
+    way = " L ".join(f"{x!r},{y!r}" for x, y in rows.tolist())
+    path.write_text(
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}mm" height="{height}mm" '
+        f'viewBox="0 0 {width} {height}" overflow="visible">\n<path d="M {way}{" Z" * closed}" '
+        f'fill="none" stroke="black" stroke-width="{_LINE * max(width, height):.3g}"/>\n</svg>\n',
+        encoding="utf-8",
+    )
+    return path

@@ -153,8 +153,9 @@ class Equations:
             sf.labelled(sf.switches(named), self.labels),
             self.scene.analysis == "dynamics",
         )
-        joints = ((c.name, c.statement) for c in self.constraints)
-        switches += tuple(sf.profile_knots(joints)) if moves else ()
+        joints = ((c.name, c.statement.phi, c.statement.bindings) for c in self.constraints)
+        forces = ((name, terms.moving, dict[sympy.Symbol, sympy.Expr]()) for name, terms in named)
+        switches += tuple(sf.profile_knots((*joints, *forces))) if moves else ()
         return replace(
             self,
             effects=effects,

@@ -1,7 +1,7 @@
 """Switching functions of a scene: conditions, frictions that stick, contacts, freewheels."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Literal
@@ -9,7 +9,7 @@ from typing import Literal
 import sympy
 from sympy.core.relational import Relational
 
-from codegen.declare.element import OneWay, Rigid, Statement, Sticking
+from codegen.declare.element import OneWay, Rigid, Sticking
 from codegen.declare.symbols import (
     Acceleration,
     Coordinate,
@@ -30,6 +30,7 @@ from codegen.tables.piecewise_function import ClosedPieces
 from codegen.tables.table_function import Interpolant, TableAtom
 
 Named = tuple[str, EffectTerms]
+Bindings = Mapping[sympy.Symbol, sympy.Expr]
 TURN = 2.0 * math.pi  # formula: after which a profile repeats, rad
 
 
@@ -143,18 +144,24 @@ def switches(effects: Sequence[Named]) -> tuple[Switch, ...]:
     return (*contacts, *others)
 
 
-def profile_knots(joints: Iterable[tuple[str, Statement]]) -> Iterator[Switch]:
-    """Where pieces of a profile or a constraint meet: steps of a run end, and nothing switches."""
-    for name, statement in joints:
+def profile_knots(parts: Iterable[tuple[str, Iterable[sympy.Expr], Bindings]]) -> Iterator[Switch]:
+    """Where pieces of a profile or another function of coordinates meet: steps of a run end.
+
+    Nothing switches there. `parts` are the expressions of elements, with what stands for symbols.
+    """
+    for name, expressions, bindings in parts:
         found = dict[sympy.Expr, set[float]]()
-        for pieces in sorted(sympy.Tuple(*statement.phi).atoms(ClosedPieces), key=str):
+        for pieces in sorted(sympy.Tuple(*expressions).atoms(ClosedPieces), key=str):
             meetings = sorted(pieces.args[0].expression.atoms(Relational), key=str)
-            if alpha not in pieces.places:
-                for g in (switching_function(c) for c in meetings if c.has(Coordinate)):
+            places = {own: place.xreplace(bindings) for own, place in pieces.places.items()}
+            if alpha not in places:
+                placed = (c.xreplace(places) for c in meetings)
+                for g in (switching_function(c) for c in placed if c.has(Coordinate)):
                     if -g not in found:
                         found[g] = set()
                 continue
-            at = statement.bindings[pieces.places[alpha]]
+            if not (at := places[alpha]).has(Coordinate):
+                continue
             for g in (c.lhs - c.rhs for c in meetings):
                 slope, rest = g.diff(alpha), g.subs(alpha, 0)
                 if slope.is_number and rest.is_number and slope != 0:

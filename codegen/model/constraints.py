@@ -12,6 +12,7 @@ from typing import Any
 import sympy
 
 from codegen.declare.body import Body, Curve, Point
+from codegen.declare.cam_profiles import CamProfile
 from codegen.declare.element import Constraint
 from codegen.declare.element_fields import pace, profile_problems
 from codegen.declare.symbols import Letter, alpha
@@ -358,7 +359,9 @@ class Constraints(Declarations):
         shape = sympy.Matrix([x, y]).subs(self.defaults)
         pieces = shape.has(sympy.Piecewise)
         if len(self.problems) == before:
-            for problem in profile_problems(shape, closed or pieces, convex):
+            is_known = isinstance(curve, CamProfile) and shape.free_symbols == {alpha}
+            cut = curve.undercut(self.defaults) if is_known else ""  # type: ignore[attr-defined]
+            for problem in [cut] if cut else profile_problems(shape, closed or pieces, convex):
                 self._note(f"{where}: {problem}")
         if len(self.problems) > before:
             return curve.body.circle(1)  # stands in, so that nothing else is said of it

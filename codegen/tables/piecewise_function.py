@@ -22,12 +22,15 @@ _CLOSED = sympy.Piecewise, sympy.sin, sympy.cos
 class PiecesAtom(sympy.Atom):  # type: ignore[misc]
     """A function by pieces, and its symbols; one of the angle `alpha` repeats at each turn."""
 
-    __slots__ = ("expression", "symbols")
+    __slots__ = ("expression", "name", "symbols")
 
-    def __new__(cls, expression: sympy.Expr) -> "PiecesAtom":
-        """Wrap an expression of parameters and the time, `alpha` or coordinates."""
+    def __new__(cls, expression: sympy.Expr, name: str = "") -> "PiecesAtom":
+        """Wrap an expression of parameters and the time, `alpha` or coordinates.
+
+        A `name` of its own stands for it in texts.
+        """
         atom: PiecesAtom = super().__new__(cls)
-        atom.expression = expression
+        atom.expression, atom.name = expression, name
         atom.symbols = tuple(sorted(expression.free_symbols, key=str))
         return atom
 
@@ -38,10 +41,23 @@ class PiecesAtom(sympy.Atom):  # type: ignore[misc]
         return str(printer._print(self.expression))
 
 
+def _placed(atom: PiecesAtom, values: tuple[sympy.Expr, ...]) -> sympy.Expr:
+    """The function of an atom with values for its symbols."""
+    of = dict(zip(atom.symbols, values, strict=True))
+    if alpha in of:
+        of[alpha] -= 2 * sympy.pi * sympy.floor(of[alpha] / (2 * sympy.pi))
+    return atom.expression.xreplace(of)
+
+
 class ClosedPieces(sympy.Function):  # type: ignore[misc]
     """A function by pieces at its symbols: arguments are the atom, and they."""
 
     is_real = True
+
+    @classmethod
+    def eval(cls, atom: PiecesAtom, *values: sympy.Expr) -> sympy.Expr | None:
+        """A number, where it is taken at numbers."""
+        return _placed(atom, values) if all(value.is_number for value in values) else None
 
     @property
     def places(self) -> dict[sympy.Symbol, sympy.Expr]:
@@ -52,10 +68,7 @@ class ClosedPieces(sympy.Function):  # type: ignore[misc]
     @property
     def expression(self) -> sympy.Expr:
         """The function as it was written."""
-        of = self.places
-        if alpha in of:
-            of[alpha] -= 2 * sympy.pi * sympy.floor(of[alpha] / (2 * sympy.pi))
-        return self.args[0].expression.xreplace(of)
+        return _placed(self.args[0], self.args[1:])
 
     def _eval_derivative(self, symbol: sympy.Symbol) -> sympy.Expr:
         terms = []
@@ -63,17 +76,21 @@ class ClosedPieces(sympy.Function):  # type: ignore[misc]
             if (inner := derivative(value, symbol)) != 0:
                 slope = derivative(_spelled_out(self.args[0].expression), own)
                 if slope.has(alpha, *_PIECES):
-                    slope = close(slope)
+                    name = self.args[0].name
+                    slope = close(slope, name and f"{name}_{own}")
                 terms.append(inner * slope.xreplace(self.places))
         return sympy.Add(*terms)
 
     def _sympystr(self, printer: Any) -> str:
+        atom, *places = self.args
+        if atom.name:
+            return f"{atom.name}({', '.join(map(printer._print, places))})"
         return str(printer._print(self.expression))
 
 
-def close(expression: sympy.Expr) -> ClosedPieces:
+def close(expression: sympy.Expr, name: str = "") -> ClosedPieces:
     """A function by pieces, of parameters and the time, `alpha` or coordinates, closed to SymPy."""
-    atom = PiecesAtom(expression)
+    atom = PiecesAtom(expression, name)
     return ClosedPieces(atom, *atom.symbols)
 
 

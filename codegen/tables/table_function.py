@@ -18,7 +18,7 @@ from codegen.readers.quantities import UnitError, in_unit, is_quantity, same_dim
 from codegen.readers.values import KindError, plain_float, shown
 from codegen.tables.period import is_angle
 from codegen.tables.piecewise_cubic import Kind, Table
-from codegen.tables.piecewise_function import opened
+from codegen.tables.piecewise_function import ClosedPieces, opened
 
 DEGREE = 3
 # formula: the fewest points of each kind; of a periodic table one more, its first point again
@@ -120,7 +120,7 @@ class TableFunction:
                 f"{self!r} is called with {shown(at)}; give a number from its first to its last "
                 "abscissa, or an expression."
             )
-        other = _other_dimension(place, unit) if unit else None
+        other = other_dimension(place, unit) if unit else None
         if other:
             raise ModelError(
                 f"{self!r} has abscissae in {unit}, and is called with {shown(at)}, in {other}; "
@@ -138,22 +138,26 @@ def plain_function(
     symbols: Iterable[sympy.Symbol], expressions: Any
 ) -> Callable[[Iterable[float]], npt.NDArray[np.float64]]:
     """Expressions in nested lists as a function of numbers; nan where one has no value."""
-    every = [opened(e) for e in sympy.flatten(expressions)]
-    shape = np.shape(expressions)
-    tables = {str(a): a.table for e in every for a in e.atoms(TableAtom)}
+    every, shape, symbols = sympy.flatten(expressions), np.shape(expressions), [*symbols]
+    found = sorted({p for e in every for p in e.atoms(ClosedPieces)}, key=str)
+    values = {pieces: sympy.Dummy() for pieces in found}  # each is evaluated once
+    opened_pieces, every = [*map(opened, found)], [e.xreplace(values) for e in every]
+    tables = {str(a): a.table for e in (*opened_pieces, *every) for a in e.atoms(TableAtom)}
     tables["Interpolant"] = lambda table, order, at: table(at, order)
-    compiled = sympy.lambdify(symbols, every, [tables, "math"])
+    inner = sympy.lambdify(symbols, opened_pieces, [tables, "math"]) if found else lambda *_: ()
+    compiled = sympy.lambdify([*symbols, *values.values()], every, [tables, "math"])
 
     def evaluated(numbers: Iterable[float]) -> npt.NDArray[np.float64]:
+        given = [*map(float, numbers)]
         try:
-            return np.reshape([*map(float, compiled(*map(float, numbers)))], shape)
+            return np.reshape([*map(float, compiled(*given, *inner(*given)))], shape)
         except (ArithmeticError, ValueError, TypeError, NameError):
             return np.full(shape, math.nan)
 
     return evaluated
 
 
-def _other_dimension(expression: sympy.Expr, unit: str) -> str | None:
+def other_dimension(expression: sympy.Expr, unit: str) -> str | None:
     """The unit of a term of an expression, where it is known and has not the dimension needed."""
     for term in sympy.Add.make_args(expression):
         factor, symbol = term.as_coeff_Mul()

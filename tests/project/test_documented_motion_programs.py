@@ -1,0 +1,55 @@
+"""The examples of docs/how-to/motion-programs.md, as written."""
+
+import re
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from codegen.tables.motion_laws import SHAPES
+
+
+@pytest.fixture(scope="module")
+def page(root: Path) -> str:
+    return (root / "docs" / "how-to" / "motion-programs.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def documented(page: str, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """Everything that the page's code defines, and its last undercut."""
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    names: dict[str, Any] = {"__name__": "documented_programs"}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(tmp_path_factory.mktemp("programs"))
+        for block in re.findall(r"```\{code-cell\} python\n(.*?)```", page, re.DOTALL):
+            *_, last = block.strip().splitlines()
+            exec(block, names)
+            if last.endswith(".undercut()"):
+                names["undercut"] = eval(last, names)
+    pyplot.close("all")
+    return names
+
+
+def test_follower_stays_on_its_cam(documented: dict[str, Any]) -> None:
+    assert 0.0 < documented["force"].min() < documented["force"].max()
+    assert re.match(r"the cam is undercut at its angle (31|48)\.", documented["undercut"])
+
+
+def test_drawing_is_the_cams(documented: dict[str, Any]) -> None:
+    points = documented["profile"].points(720)
+    assert len(documented["outline"].vertices) == 720
+    assert np.hypot(*points.T).min() == pytest.approx(0.03, rel=1e-5)
+    assert documented["move"].length == pytest.approx(0.2 + 0.9 + 0.1 + 0.85)
+
+
+def test_table_of_laws_is_true(page: str, documented: dict[str, Any]) -> None:
+    rows = re.findall(r"^\| `\"(.+)\"` \| ([\d.]+) \| ([\d.]+) \|", page, re.MULTILINE)
+    assert [name for name, *_ in rows] == [*SHAPES]
+    at = np.linspace(1e-9, pi - 1e-9, 4001)
+    for name, *told in rows:
+        moves = [(180, 1, name), (180, 0, name)]
+        program = documented["lw"].motion_program(moves, units=("deg", "m"))
+        peaks = [program.values(at, order).max() * pi**order for order in (1, 2)]
+        assert peaks == pytest.approx([*map(float, told)], abs=5.1e-4)
