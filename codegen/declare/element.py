@@ -10,7 +10,7 @@ from typing import ClassVar, NamedTuple, Protocol, runtime_checkable
 import sympy
 
 from codegen.declare.body import Bodies, Body, Curve, Loads, Point, Pose
-from codegen.declare.symbols import Coordinate, coordinate, given
+from codegen.declare.symbols import Coordinate, Velocity, coordinate, given, kinds, rate
 from codegen.errors import ModelError
 from codegen.readers.calls import declaring_class, readable_class
 from codegen.readers.expressions import plain_expression
@@ -172,9 +172,14 @@ class FrictionLaw:
     joint: str  # name of the joint that rubs
     strength: sympy.Expr  # μ, or μ times an arm in m
     creep: sympy.Expr | None  # speed below which the joint creeps; None where it sticks
-    along: sympy.Expr  # the slip s(q), m or rad; the force acts along it
+    along: sympy.Expr  # the slip s(q), m or rad, or ṡ, linear in velocities; the force's direction
     contacts: tuple[Pressing, ...]  # the loads whose sizes add up to N
     unit: str  # of f
+
+    @property
+    def slip(self) -> sympy.Expr:
+        """ṡ."""
+        return self.along if kinds(self.along, Velocity) else rate(self.along)
 
 
 @declaring_class("Sticking")

@@ -19,7 +19,7 @@ from codegen.declare import element as el
 from codegen.declare.body import Bodies, Body, Curve, Loads
 from codegen.declare.element import label
 from codegen.declare.element_fields import Condition, Conditions, field_conditions
-from codegen.declare.symbols import KINDS, Coordinate, Time, Velocity, alpha, kinds
+from codegen.declare.symbols import KINDS, Coordinate, Time, Velocity, alpha, kinds, nonlinear_in
 from codegen.errors import LinkwrightError, ModelError
 from codegen.readers.arguments import (
     Reader,
@@ -173,9 +173,7 @@ def _first(one: tuple[Any, ...]) -> str:
 
 def _hold(value: Any) -> el.Hold:
     hold: el.Hold = _HOLD(value)
-    if isinstance(hold, el.OneWay) and any(
-        kinds(hold.slip.diff(v), Velocity) for v in kinds(hold.slip, Velocity)
-    ):  # whose change in an impact does not follow from impulses alone
+    if isinstance(hold, el.OneWay) and nonlinear_in(hold.slip):  # impulses give no change of it
         raise KindError("its slip must be a linear function of velocities, the rate of a scalar.")
     if isinstance(hold, el.Sticking) and hold.static is not None and hold.kinetic.is_nonpositive:
         raise KindError("beside a static coefficient the kinetic one must be positive.")
@@ -234,11 +232,15 @@ _slip = expression_that(_SLIP, lambda slip: kinds(slip, Velocity))
 _creep = expression_that(
     "a positive speed, or None", lambda speed: speed.is_positive or not speed.is_number
 )
+_along = expression_that(
+    "an expression that something moves, or a linear function of velocities",
+    lambda along: kinds(along, Coordinate, Time, Velocity) and not nonlinear_in(along),
+)
 _FINITE = optional(number("a finite number, or None"))
 _LOAD = "a tuple of loads, each of sums of (component, factor)"
 _LAW = record(
     "a FrictionLaw or None", el.FrictionLaw, joint=words, strength=expression,
-    creep=optional(_creep), along=_scalar, unit=unit,
+    creep=optional(_creep), along=_along, unit=unit,
     contacts=several(several(rows(_LOAD, words, expression), _LOAD, 1), _LOAD, 1),
 )  # fmt: skip
 _HOLD = record(

@@ -266,6 +266,11 @@ def kinds(expression: sympy.Basic, *classes: type[Any]) -> list[Any]:
     return sorted(symbols, key=lambda s: s.name)
 
 
+def nonlinear_in(expression: sympy.Expr) -> list[Any]:
+    """The velocities of which an expression is no linear function."""
+    return [v for v in kinds(expression, Velocity) if kinds(sympy.diff(expression, v), Velocity)]
+
+
 def dotted(symbol: sympy.Symbol) -> str:
     """``crank_phi`` → ``crank.phi``, and a state by its own name."""
     owner, _, letter = str(symbol.name).rpartition("_")

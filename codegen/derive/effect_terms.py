@@ -21,7 +21,7 @@ from codegen.declare.returned_values import (
 )
 from codegen.declare.scene import Scene
 from codegen.declare.state import WatchedCondition
-from codegen.declare.symbols import SPEED, Coordinate, Time, derivative, kinds, rate, side, t
+from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, derivative, kinds, rate, side
 from codegen.derive.piecewise_conditions import kinks_as_pieces, tables_by_branches
 from codegen.derive.power_continuation import continue_powers
 from codegen.elements.scalar_measures import along_scalar, unit_of
@@ -139,8 +139,8 @@ def measured(measure: el.Measure) -> el.Measure:
 
 
 def _friction(effect: str, law: el.FrictionLaw, law_at_rest: el.Hold | None) -> FrictionTerms:
-    direction = tuple((q, derivative(law.along, q)) for q in kinds(law.along, Coordinate))
-    slip = sympy.Add(*(slope * q.rate for q, slope in direction), derivative(law.along, t))
+    slip = law.slip
+    direction = tuple((v.coordinate, derivative(slip, v)) for v in kinds(slip, Velocity))
     direction_of_slip = side(effect) if law.creep is None else sympy.tanh(slip / law.creep)
     grip, limit = law.strength * direction_of_slip, None
     if isinstance(law_at_rest, el.Sticking) and law.creep is None:

@@ -1,11 +1,11 @@
 """Scalars s(q, t) along which forces act, such as lengths, angles and gaps, and their checks."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy
 
 from codegen.declare.body import Bodies, Body, Point
-from codegen.declare.element import Element, Measure, Measures, label
+from codegen.declare.element import Constraint, Element, Measure, Measures, label
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds, rate
 
 
@@ -128,6 +128,47 @@ def along_scalar(
         Measure("rate", "", f"{unit or 1}/s", SPEED, s),
         Measure(exerted, "", force_unit, force, s),
     )
+
+
+class Rubbing(NamedTuple):
+    """How the second body of a joint slips against the first, and what presses them together."""
+
+    slip: sympy.Expr  # s(q), rad or m; or ṡ itself, linear in velocities, where there is no s(q)
+    pressing: tuple[str, ...]  # the components of the joint's reaction whose size is N
+    bodies: Bodies  # the first and the second
+    place: tuple[sympy.Expr, sympy.Expr]  # in the global frame, m
+    way: tuple[sympy.Expr, sympy.Expr]  # the direction of the slip there, of any length
+
+
+class RubbingJoint(Constraint):
+    """A joint in which friction acts under its own reaction."""
+
+    friction_arm = ""  # the argument that is the arm of a friction's torque, m; "": it is a force
+
+    def rubbing(self) -> Rubbing:
+        """The slip, and the reaction that presses."""
+        raise NotImplementedError
+
+
+def turned(body: Body, ux: sympy.Expr, uy: sympy.Expr) -> tuple[sympy.Expr, sympy.Expr]:
+    """A vector of the body's frame, in the global one."""
+    c, s = body.rotation
+    return c * ux - s * uy, s * ux + c * uy
+
+
+def sliding(
+    bodies: Bodies, place: tuple[sympy.Expr, sympy.Expr], way: tuple[sympy.Expr, sympy.Expr]
+) -> Rubbing:
+    """Two bodies slide on each other at a place, along a unit vector; fy of the reaction presses.
+
+    The slip is the velocity of the second body against the first there, both taken as rigid.
+    """
+    slip: sympy.Expr = sympy.S.Zero
+    for body, sign in zip(bodies, (-1, 1), strict=True):
+        (x, y), (vx, vy), omega = body.position, body.velocity, body.angular_velocity
+        u, v = vx - omega * (place[1] - y), vy + omega * (place[0] - x)
+        slip += sign * (way[0] * u + way[1] * v)
+    return Rubbing(slip, ("fy",), bodies, place, way)
 
 
 class SpanMeasures:

@@ -12,7 +12,9 @@ from codegen.declare.element import Constraint, Effect, label
 from codegen.declare.symbols import Coordinate, Time, Velocity, kinds, rate
 from codegen.elements.forces.clearance_joint import ClearanceJoint
 from codegen.elements.forces.contacts import Contact, RigidContact, Stop, gap_between
-from codegen.elements.forces.friction import JOINTS, DryFriction, JointFriction, joint_coordinate
+from codegen.elements.forces.friction import DryFriction, JointFriction
+from codegen.elements.joints.guides import Guide, RollingDisc
+from codegen.elements.joints.points import Revolute
 from codegen.elements.scalar_measures import unit_of
 from codegen.model.base import Declarations, Ends, Pair, Place, declares
 from codegen.readers.values import shown
@@ -155,36 +157,49 @@ class Contacts(Declarations):
         """
 
     def friction(
-        self, name: str, joint: Constraint, coefficient: Any, creep: Any = None, radius: Any = None,
-        length: Any = None, static: Any = None, fidelity: FrictionLaw | None = None,
+        self, name: str, joint: Constraint, coefficient: Any = None, creep: Any = None,
+        radius: Any = None, length: Any = None, static: Any = None,
+        fidelity: FrictionLaw | None = None, arm: Any = None,
     ) -> Effect:  # fmt: skip
         """Coulomb friction in a joint, from the joint's reaction.
 
         Parameters
         ----------
         joint
-            A revolute, translational or revolute-translational joint.
+            A revolute, translational or revolute-translational joint, a point follower, a cam with
+            a follower, or a rolling disc.
         coefficient
-            μ.
+            μ; a rolling disc has `arm` instead.
         creep
-            The speed below which the joint creeps, in m/s, or in rad/s for a revolute joint; the
-            law is then regularised at rest. Without it the joint sticks.
+            The speed below which the joint creeps, in m/s, or in rad/s for a revolute joint and a
+            rolling disc; the law is then regularised at rest. Without it the joint sticks.
         radius
             The radius of a revolute joint's pin, m.
         length
             The length of a translational joint's bearing, m: the moment then presses on both ends.
         static
-            μ_s of a joint that sticks, at least μ; None: μ.
+            μ_s of a joint that sticks, at least μ; None: μ. Of a rolling disc the arm at rest, m.
         fidelity
             ``"sticking"`` or ``"regularised"``: the fidelity in scenes that do not choose one. With
             it, a declaration may give the numbers of both. Without it, a friction with a creep
             speed is regularised, and one without a creep speed sticks.
+        arm
+            f_R of a rolling disc, its coefficient of rolling friction, m.
         """
+        given: object = joint
+        if isinstance(given, RollingDisc):
+            if arm is None or coefficient is not None:
+                self._note(
+                    f"friction '{name}': {label(joint)} needs arm=, its coefficient of rolling "
+                    "friction in m, and no coefficient=."
+                )
+            coefficient = 0 if arm is None else arm
+        elif arm is not None:
+            self._note(f"friction '{name}': arm= is a rolling disc's; leave it out.")
         law: JointFriction = self._element(
             JointFriction, name=name, joint=joint, coefficient=coefficient, creep=creep,
             radius=radius, length=length, static=static,
         )  # fmt: skip
-        given: object = joint
         if isinstance(given, Constraint) and self.joints.get(joint.name) is not joint:
             self._note(
                 f"friction '{name}': joint {shown(joint.name)} is not declared in '{self.name}'; "
@@ -343,7 +358,7 @@ class Contacts(Declarations):
     def _limited(self, where: str, of: Any) -> tuple[sympy.Expr, str, Bodies]:
         """The coordinate that a stop limits, its unit, and the bodies that it is of."""
         given: object = of
-        if isinstance(given, JOINTS):
+        if isinstance(given, Revolute | Guide):
             if self.joints.get(given.name) is not given:
                 self._note(f"{where}: joint '{given.name}' is not of this model; give one that is.")
             angles = [body.angle for body in given.bodies]
@@ -353,8 +368,8 @@ class Contacts(Declarations):
                     "of its coordinates."
                 )
                 return sympy.S.One, "rad", given.bodies
-            s, unit = joint_coordinate(given)
-            return s, unit, given.bodies
+            unit = "rad" if isinstance(given, Revolute) else "m"
+            return given.rubbing().slip, unit, given.bodies
         if isinstance(given, Constraint | str):
             name = shown(given.name if isinstance(given, Constraint) else given)
             self._note(

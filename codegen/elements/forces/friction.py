@@ -16,18 +16,11 @@ from codegen.declare.element import (
     label,
 )
 from codegen.declare.element_fields import quantity, static_condition
-from codegen.declare.symbols import Velocity, kinds, rate, side
+from codegen.declare.symbols import Velocity, kinds, nonlinear_in, side
 from codegen.drawing import shapes
-from codegen.elements.joints.guides import RevoluteTranslational, Translational
-from codegen.elements.joints.points import Revolute
+from codegen.elements.joints.guides import Translational
 from codegen.elements.registry import element
-from codegen.elements.scalar_measures import (
-    angle_problems,
-    is_constant,
-    relative_angle,
-    same_body,
-    span,
-)
+from codegen.elements.scalar_measures import RubbingJoint, angle_problems, is_constant, same_body
 from codegen.readers.values import shown
 
 
@@ -160,8 +153,7 @@ class DryFriction(Coulomb):
                 f"{where}: the slip {self.slip} is no velocity, for it contains none; write one, "
                 "such as block.vx - speed, or give two points."
             )
-        curved = [v for v in speeds if kinds(sympy.diff(self.slip, v), Velocity)]
-        if curved:
+        if curved := nonlinear_in(self.slip):
             problems.append(
                 f"{where}: the slip {self.slip} is not linear in {curved[0].name}; write the "
                 "velocity itself, such as block.vx - speed."
@@ -169,24 +161,14 @@ class DryFriction(Coulomb):
         return problems + super().problems()
 
 
-JOINTS = (Revolute, Translational, RevoluteTranslational)
-
-
-def joint_coordinate(joint: Constraint) -> tuple[sympy.Expr, str]:
-    """φ_j - φ_i of a revolute joint, else u_iᵀ d along the line of body i, and its unit."""
-    assert isinstance(joint, JOINTS)
-    if isinstance(joint, Revolute):
-        return relative_angle(joint.i.body, joint.j.body), "rad"
-    ux, uy = joint.axis
-    c, s = joint.i.body.rotation
-    dx, dy = span(joint.i, joint.j)
-    size = sympy.sqrt(ux**2 + uy**2)
-    return ((ux * c - uy * s) * dx + (ux * s + uy * c) * dy) / size, "m"
+def coefficient_unit(law: Any) -> str:
+    """Of a coefficient, m where it is the arm of a torque."""
+    return "m" if getattr(law.joint, "friction_arm", "") == "arm" else ""
 
 
 @element
 class JointFriction(Coulomb):
-    """A joint rubs under its own reaction; it slides, and sticks.
+    """A joint rubs under its own reaction; it slides, rolls, and sticks.
 
     f = -μ N sign(ṡ) along the slip s, N being the size of the joint's reaction (Coulomb).
 
@@ -195,14 +177,20 @@ class JointFriction(Coulomb):
     length b is given, its ends are pressed with |F/2 + T/b| and |F/2 - T/b|. In a
     revolute-translational joint N is the force across the line.
 
+    In a cam with a flat-faced, curved or point follower the slip is the velocity of the follower's
+    material at the contact against the cam's, along the common tangent. f acts at the contact, on
+    both bodies, and N is the force along the common normal. A rolling disc resists with the torque
+    -f_R N sign(ω) at the rate ω of the angle between disc and line, N being the normal force and
+    f_R, in m, the coefficient of rolling friction: the arm by which N runs ahead of the contact.
+
     At ṡ = 0 the friction is the force that keeps the joint at rest, up to μ_s N. A change of sign
     of ṡ is an event of a run. At the event the run finds the stiction force and the reaction that
     belongs to it. The joint sticks if the force is within the limit that this reaction allows, even
     if the joint would jam in sliding to one side. If another friction or a condition depends on the
     same slip, the stiction force is sought between the forces of sliding to either side.
 
-    A joint that sticks reports its `force` (a revolute joint its `torque`), N as `normal`, and the
-    `limit`, μ_s N or μ_s R N.
+    A joint that sticks reports its `force` (a revolute joint or a rolling disc its `torque`), N as
+    `normal`, and the `limit`, μ_s N or μ_s R N.
 
     With a creep speed v_c the law is smooth instead, f = -μ N tanh(ṡ/v_c): a joint that would stick
     creeps at about ṡ = v_c f/(μ N), and above three times v_c the force is within half a percent of
@@ -222,57 +210,55 @@ class JointFriction(Coulomb):
     name: str
     joint: Any
     coefficient: sympy.Expr = quantity(
-        "", "nonnegative", binds="nonnegative", word="coefficient of friction"
+        coefficient_unit, "nonnegative", binds="nonnegative", word="coefficient of friction"
     )
     creep: sympy.Expr | None = quantity(
-        lambda of: "rad/s" if isinstance(of.joint, Revolute) else "m/s",
+        lambda of: "rad/s" if getattr(of.joint, "friction_arm", "") else "m/s",
         "positive", binds="positive", default=None, word="creep speed",
     )  # fmt: skip
     radius: sympy.Expr | None = quantity("m", "positive", binds="positive", default=None)
     length: sympy.Expr | None = quantity("m", "positive", binds="positive", default=None)
-    static: sympy.Expr | None = quantity("", binds="positive", default=None)
+    static: sympy.Expr | None = quantity(coefficient_unit, binds="positive", default=None)
 
     @property
     def bodies(self) -> Bodies:
         """The bodies of the joint."""
-        pair: Bodies = self.joint.bodies if isinstance(self.joint, JOINTS) else ()
+        pair: Bodies = self.joint.bodies if isinstance(self.joint, RubbingJoint) else ()
         return pair
 
     def friction(self) -> FrictionLaw:
         """The slip along which it acts, and the normal force."""
-        joint, mu = self.joint, self.coefficient
-        along, _ = joint_coordinate(joint)
-        if isinstance(joint, Revolute):
-            pressing: tuple[Any, ...] = ((("fx", sympy.S.One),), (("fy", sympy.S.One),))
-            return FrictionLaw(joint.name, mu * self.radius, self.creep, along, (pressing,), "N m")
-        ends: tuple[Any, ...] = (((("fy", sympy.S.One),),),)
+        rubbing, strength = self.joint.rubbing(), self.coefficient
+        if self.radius is not None:
+            strength *= self.radius
+        ends: tuple[Any, ...] = (tuple(((part, sympy.S.One),) for part in rubbing.pressing),)
         if self.length is not None:
             half = sympy.Rational(1, 2)
             ends = tuple(((("fy", half), ("torque", sign / self.length)),) for sign in (1, -1))
-        return FrictionLaw(joint.name, mu, self.creep, along, ends, "N")
+        unit = "N m" if self.joint.friction_arm else "N"
+        return FrictionLaw(self.joint.name, strength, self.creep, rubbing.slip, ends, unit)
 
     @property
     def speed(self) -> sympy.Expr:
         """The rate of the slip."""
-        return rate(self.friction().along)
+        return self.friction().slip
 
     def shapes(self) -> shapes.Shapes:
         """How it acts on the second body, where the joint's reaction does."""
-        i, j = self.joint.i, self.joint.j
-        (c, s), (ux, uy) = i.body.rotation, getattr(self.joint, "axis", (1, 0))
-        way = c * ux - s * uy, s * ux + c * uy
-        return (shapes.Reaction(i.body, j.body, j.x, j.y, *way),)
+        rubbing = self.joint.rubbing()
+        return (shapes.Reaction(*rubbing.bodies, *rubbing.place, *rubbing.way),)
 
     def problems(self) -> list[str]:
         """Joints that do not rub, and two laws at once."""
         where, joint = label(self), self.joint
-        if not isinstance(joint, JOINTS):
+        if not isinstance(joint, RubbingJoint):
             name = f"'{joint.name}'" if isinstance(joint, Constraint) else shown(joint)
-            advice = "give a revolute, a translational or a revolute-translational joint"
+            advice = "give a revolute, a translational or a revolute-translational joint, "
+            advice += "a follower of a cam, or a rolling disc"
             advice += " itself, not its name." if isinstance(joint, str) else "."
             return [f"{where}: {name} is no joint that rubs; {advice}"]
-        pin = isinstance(joint, Revolute)
-        problems = angle_problems(self, *joint.bodies) if pin else []
+        pin = joint.friction_arm == "radius"
+        problems = angle_problems(self, *joint.bodies) if joint.friction_arm else []
         if pin and self.radius is None:
             problems.append(
                 f"{where}: revolute joint '{joint.name}' needs radius=, its pin's, in m."

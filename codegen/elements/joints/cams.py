@@ -7,12 +7,13 @@ import numpy as np
 import sympy
 
 from codegen.declare.body import Curve, Point
-from codegen.declare.element import Constraint, I, J, JointReaction, Statement
+from codegen.declare.element import I, J, JointReaction, Statement
 from codegen.declare.element_fields import Axis, compared, direction, in_ground, outward, places
 from codegen.declare.symbols import Coordinate, alpha, coordinate, given, own_coordinate
 from codegen.drawing import shapes
 from codegen.elements.joints.guides import bind_axis
 from codegen.elements.registry import element
+from codegen.elements.scalar_measures import Rubbing, RubbingJoint, sliding, turned
 from codegen.parameter_conditions import ALPHAS, SAMPLES
 
 AXIS = sympy.Matrix([given("j_ux"), given("j_uy")])
@@ -23,8 +24,15 @@ FACING = -0.999  # accuracy: cosine of two normals that oppose each other
 AWAY = 20.0  # measured: weight of a step beside the normal against one along it
 
 
+def sliding_on(cam: Curve, at: Coordinate, point: Point) -> Rubbing:
+    """A point slides along a curve, in the direction in which its parameter grows."""
+    tangent = cam.at(at).diff(at)
+    way = turned(cam.body, *(tangent / sympy.sqrt(tangent.dot(tangent))))
+    return sliding((cam.body, point.body), (point.x, point.y), way)
+
+
 @element
-class CamFlatFollower(Constraint):
+class CamFlatFollower(RubbingJoint):
     """A cam of body i pushes the flat face of body j, and touches it at one point.
 
     n_jᵀ (r_i + A_i c(α) - r_j^P) = 0 and n_jᵀ A_i c'(α) = 0: the face touches the profile c.
@@ -61,6 +69,12 @@ class CamFlatFollower(Constraint):
         reaction = JointReaction(J.A * AXIS)
         return Statement(phi, ("normal", "slope"), reaction, bindings, (("slope", self.alpha),))
 
+    def rubbing(self) -> Rubbing:
+        """The face slides on the cam along its axis."""
+        contact, (ux, uy) = Point(self.cam.body, *self.cam.at(self.alpha)), self.axis
+        way = turned(self.face.body, *(u / sympy.sqrt(ux**2 + uy**2) for u in (ux, uy)))
+        return sliding((self.cam.body, self.face.body), (contact.x, contact.y), way)
+
     def near(self, numbers: Mapping[sympy.Symbol, float]) -> dict[Coordinate, float]:
         """The contact for a rough pose: where the cam reaches farthest towards the follower."""
         ends = (body.rotation for body in (self.cam.body, self.face.body))
@@ -82,7 +96,7 @@ class CamFlatFollower(Constraint):
 
 
 @element
-class CamFollower(Constraint):
+class CamFollower(RubbingJoint):
     """A cam of body i pushes a curved follower of body j, such as a roller of any shape.
 
     The contact points coincide, along c_i' and across it, and the tangents are parallel.
@@ -126,6 +140,11 @@ class CamFollower(Constraint):
             (("along", self.alpha), ("slope", self.beta)),
         )
 
+    def rubbing(self) -> Rubbing:
+        """The curves slide along their common tangent."""
+        contact = Point(self.follower.body, *self.follower.at(self.beta))
+        return sliding_on(self.cam, self.alpha, contact)
+
     def profiles(self) -> tuple[tuple[Curve, bool], ...]:
         """The closed curves, and whether each has to be convex."""
         return (self.cam, False), (self.follower, False)
@@ -158,7 +177,7 @@ class CamFollower(Constraint):
 
 
 @element
-class PointFollower(Constraint):
+class PointFollower(RubbingJoint):
     """A point of body j, a pin or a knife edge, follows a curve of body i: a cam or a slot.
 
     d = A_iᵀ (r_j^P - r_i) - c(α) = 0, as two equations: along the curve, c'ᵀ d, and across it.
@@ -195,6 +214,10 @@ class PointFollower(Constraint):
             bindings,
             (("along", self.alpha),),
         )
+
+    def rubbing(self) -> Rubbing:
+        """The point slides along the curve."""
+        return sliding_on(self.curve, self.alpha, self.point)
 
     def near(self, numbers: Mapping[sympy.Symbol, float]) -> dict[Coordinate, float]:
         """The place on the curve for a rough pose: the nearest one to the point."""

@@ -23,7 +23,15 @@ from codegen.declare.element_fields import Axis, Condition, Conditions, directio
 from codegen.declare.symbols import given
 from codegen.drawing import shapes
 from codegen.elements.registry import element
-from codegen.elements.scalar_measures import angle_problems, same_body
+from codegen.elements.scalar_measures import (
+    Rubbing,
+    RubbingJoint,
+    angle_problems,
+    relative_angle,
+    same_body,
+    span,
+    turned,
+)
 
 AXIS = sympy.Matrix([given("i_ux"), given("i_uy")])
 NORMAL = sympy.Matrix([-AXIS[1], AXIS[0]])
@@ -42,8 +50,23 @@ def bind_axis(axis: Axis, placeholders: sympy.Matrix = AXIS) -> dict[sympy.Symbo
     return {place: a / length for place, a in zip(placeholders, axis, strict=True)}
 
 
+class Guide(RubbingJoint):
+    """A point of body j slides along a line of body i."""
+
+    i: Point
+    j: Point
+    axis: Axis
+
+    def rubbing(self) -> Rubbing:
+        """u_iᵀ d along the line, under the force across it."""
+        i, j, (dx, dy) = self.i, self.j, span(self.i, self.j)
+        ux, uy = turned(i.body, *self.axis)
+        along = (ux * dx + uy * dy) / sympy.sqrt(self.axis[0] ** 2 + self.axis[1] ** 2)
+        return Rubbing(along, ("fy",), (i.body, j.body), (j.x, j.y), (ux, uy))
+
+
 @element
-class Translational(Constraint):
+class Translational(Guide):
     """A slider: body j slides along a straight guide of body i, and does not turn against it.
 
     The line through point i along `axis` of body i carries point j; the bodies keep their angle.
@@ -72,7 +95,7 @@ class Translational(Constraint):
 
 
 @element
-class RevoluteTranslational(Constraint):
+class RevoluteTranslational(Guide):
     """A pin in a slot: a pin of body j slides along a straight line of body i, and turns in it.
 
     (u_i⊥)ᵀ d_ij - c = 0: point j keeps the distance c, to the left, from a line of body i.
@@ -156,7 +179,7 @@ class RackAndPinion(Constraint):
 
 
 @element
-class RollingDisc(Constraint):
+class RollingDisc(RubbingJoint):
     """A wheel rolls without slip along a straight line, such as a road or a rail.
 
     (u⊥)ᵀ d - R = 0 and uᵀ d + R (φ_disc - φ_line) - s0 = 0: the disc touches and does not slip.
@@ -171,6 +194,7 @@ class RollingDisc(Constraint):
     """
 
     kind = "rolling disc"
+    friction_arm = "arm"
     example = 'model.rolling_disc("roll", disc=Q, line=P, radius=0.2, axis=(1, 0))'
     name: str
     disc: Point
@@ -187,6 +211,12 @@ class RollingDisc(Constraint):
         bindings |= {RADIUS: self.radius, OFFSET: self.offset}
         reaction = JointReaction(DIRECTION, arm=TO_CONTACT)
         return Statement(ROLLING, ("normal", "rolling"), reaction, bindings)
+
+    def rubbing(self) -> Rubbing:
+        """φ_disc - φ_line, under the normal force: it rolls, and slides nowhere."""
+        line, disc = self.line.body, self.disc.body
+        place, way = (self.disc.x, self.disc.y), turned(line, *self.axis)
+        return Rubbing(relative_angle(line, disc), ("fy",), (line, disc), place, way)
 
     def shapes(self) -> shapes.Shapes:
         """The disc and the line."""

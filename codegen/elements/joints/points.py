@@ -21,19 +21,21 @@ from codegen.declare.element_fields import ground_unless_given, quantity
 from codegen.declare.symbols import KINDS, Coordinate, Letter, given
 from codegen.drawing import shapes
 from codegen.elements.registry import element
+from codegen.elements.scalar_measures import Rubbing, RubbingJoint, relative_angle
 
 COINCIDENT = tuple(I.point - J.point)
 X_AXIS = I.A * sympy.Matrix([1, 0])
 
 
 @element
-class Revolute(Constraint):
+class Revolute(RubbingJoint):
     """A hinge: a pin holds a point of body i and a point of body j together, and both may turn.
 
     r_i + A_i s'_i - r_j - A_j s'_j = 0; the reaction axes are those of the first body.
     """
 
     kind = "revolute"
+    friction_arm = "radius"
     example = 'model.revolute("pin", P, Q)'
     name: str
     i: Point
@@ -43,6 +45,12 @@ class Revolute(Constraint):
         """Two equations, the x and y distance of the two points."""
         bindings = I.bind(self.i) | J.bind(self.j)
         return Statement(COINCIDENT, ("x", "y"), JointReaction(X_AXIS), bindings)
+
+    def rubbing(self) -> Rubbing:
+        """φ_j - φ_i, under the size of the force."""
+        i, j = self.i.body, self.j.body
+        place = self.j.x, self.j.y
+        return Rubbing(relative_angle(i, j), ("fx", "fy"), (i, j), place, i.rotation)
 
     def shapes(self) -> shapes.Shapes:
         """A pin."""
