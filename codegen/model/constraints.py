@@ -186,7 +186,7 @@ class Constraints(Declarations):
         axis
             Direction of travel in the frame of `frame`.
         offset
-            How far along `axis` the nut lies from `frame`, m, where both bodies have the same φ.
+            The nut's place along `axis` from `frame`, m, at equal φ of spindle and `frame`'s body.
         """
 
     @declares(RollingDisc)

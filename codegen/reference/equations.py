@@ -184,7 +184,7 @@ def _reaction(
         ux, uy = map(short, reaction.direction)
         yield aligned([("u_x", ux), ("u_y", uy)])
     else:
-        yield "For each equation, the force (of a length) or torque (of an angle) that keeps it:"
+        yield "Force (if Φ is a length) or torque (if Φ is an angle) that enforces each equation:"
     components = []
     for name, unit, e in terms.reactions:
         brackets = rf"\;[\mathrm{{{unit}}}]".replace(" ", r"\,") if unit else ""

@@ -181,7 +181,7 @@ class Stop(GapSprings):
     s is the angle of a revolute joint, the travel of a sliding one, or any expression of
     coordinates; k and c are along s. A stop never holds s back: a damper that would do so is cut
     off. Contact and its end are events of a run. The springs have the potential k (s - s_limit)²/2.
-    Of two limits, the components of a result are "first", the lower one, and "second", the upper.
+    With two limits, a result has the components "first" (lower limit) and "second" (upper limit).
     """
 
     kind = "stop"

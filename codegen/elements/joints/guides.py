@@ -184,9 +184,9 @@ class RollingDisc(RubbingJoint):
 
     (u⊥)ᵀ d - R = 0 and uᵀ d + R (φ_disc - φ_line) - s0 = 0: the disc touches and does not slip.
 
-    u is the direction of the line, and d the vector from its point to the disc's centre, which
-    stays to the left of it. `offset` s0 is uᵀ d at φ_disc = φ_line. The equations are those of a
-    rack and pinion; a disc on a disc is a gear.
+    u is the direction of the line. d is the vector from the point `line` to the disc's centre. The
+    centre stays to the left of the line. `offset` s0 is uᵀ d at φ_disc = φ_line. The equations are
+    those of a rack and pinion; a disc on a disc is a gear.
 
     The reaction is the force of the line on the disc at the contact, in axes of the line: `fx` is
     the traction, `fy` the normal force, `torque` is 0. The disc always stays on the line: a real
@@ -234,9 +234,9 @@ class Screw(Constraint):
 
     uᵀ d - h/2π (φ_s - φ_i) - s0 = 0: each turn of the spindle moves the nut by its lead h.
 
-    u is the axis in the frame i, and d the vector from its point to that of the nut j. The axis of
-    a real spindle lies in the plane. Here the spindle is a body that turns in the plane, like a
-    motor, or like the wheel of a bevel gear in front of it. A left-hand thread has a negative lead.
+    u is the axis in frame i; d is the vector from the point of `frame` to the point of the nut j.
+    Here the spindle is a body that turns in the plane. It stands for the motor, or the wheel of a
+    bevel gear, that drives the real spindle. A left-hand thread has a negative lead.
 
     The reaction is the force along the axis on the nut, N; -h/2π times this force turns the
     spindle. The guide that carries the nut is a separate joint. There is no friction, and no play.

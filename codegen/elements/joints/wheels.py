@@ -59,15 +59,15 @@ class Gear(Constraint):
     the same formula. `line` θ_0 is the angle of the line from centre i to centre j, rad, at which
     the teeth mesh with φ_i = φ_j = 0. With None, θ_0 is the angle at which the bearings hold the
     centres while their carrier is at φ = 0; without bearings it is 0. Both θ and θ + π satisfy the
-    equation, so assembly starts nearer to the angle that is meant.
+    equation, so give a guess nearer to the angle that you mean.
 
     Bearings or a carrier keep the gears' centres apart, not this joint. The reaction acts from gear
     i on gear j, at the centre of j, with x along the line of centres: `fy` is the tangential force
     at the teeth, `torque` its moment, and `fx` is 0. The teeth bear in both directions, without
     play; there is no pressure angle.
 
-    The bearings are found among `joints`, the joints of the model: revolute joints, and welds
-    except those of its `connections`, which come and go.
+    The bearings are found among `joints`, the joints of the model: revolute joints and welds; not
+    the welds in the model's `connections`, which are released or engage.
     """
 
     kind = "gear"
