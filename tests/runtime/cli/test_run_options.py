@@ -105,7 +105,7 @@ def test_a_condition_ends_a_run(run: Run, tmp_path: Path) -> None:
     [
         (["low"], '--until "low": write "NAME: SERIES > VALUE"'),
         (["low: bar.phi = 3"], '--until "low: bar.phi = 3": write'),
-        (["low: bar.phi >= 3"], '--until "low: bar.phi >= 3": write'),
+        (["low: bar.phi == 3"], '--until "low: bar.phi == 3": write'),
         (["low: bar.phi > high"], "bar.phi > high"),
         ([": bar.phi > 3"], "a name, a series of the result and a number"),
         (["low: > 3", "a: b"], '--until "a: b": write'),
