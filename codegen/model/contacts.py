@@ -32,7 +32,7 @@ class Contacts(Declarations):
         may_pull: bool = True, restitution: Any = None, typical_force: Any = None,
         fidelity: Literal["penalty", "rigid"] | None = None,
     ) -> Effect:  # fmt: skip
-        """A contact while a gap is closed: by a spring and damper (Haug 8.4.2), or rigid.
+        """A contact that acts while a gap is closed, by spring and damper (Haug 8.4.2) or rigidly.
 
         Parameters
         ----------
@@ -57,8 +57,8 @@ class Contacts(Declarations):
             For a rigid contact: the typical size of its reactions, N; None: the weight of the
             bodies of the scene.
         fidelity
-            ``"penalty"`` or ``"rigid"``: the default fidelity of a contact that has the numbers of
-            both.
+            ``"penalty"`` or ``"rigid"``: which of the two is the default, if the contact has both
+            `stiffness` (perhaps with `damping`) and `restitution`.
         """
         where = f"contact '{name}'"
         gap, bodies = self._gap(name, i, j, free_length, direction, gap)

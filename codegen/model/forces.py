@@ -71,7 +71,8 @@ class Forces(Declarations):
         when
             The torque acts while this condition holds; None: always.
         from_
-            The body that exerts the torque, on which the opposite acts; None: none.
+            The body that exerts the torque; the opposite acts on it. None: the torque comes from
+            outside, and no body gets the opposite.
         label
             The name of the events of `when`.
         """

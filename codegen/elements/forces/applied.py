@@ -168,11 +168,12 @@ class AppliedForce(Effect):
 
 @element
 class AppliedTorque(Effect):
-    """A torque acts on a body, such as a load, or friction in a bearing.
+    """A torque, such as a load or the friction in a bearing, acts on a body.
 
     A torque about the axis normal to the plane, counter-clockwise positive.
 
-    If another body, `from_`, exerts the torque, the opposite acts on that body: rotor and stator.
+    If another body, `from_`, exerts the torque, the opposite torque acts on that body, as on
+    the stator of a motor.
     """
 
     kind = "torque"

@@ -69,7 +69,8 @@ class Guide(RubbingJoint):
 class Translational(Guide):
     """A slider: body j slides along a straight guide of body i, and does not turn against it.
 
-    The line through point i along `axis` of body i carries point j; the bodies keep their angle.
+    Point j stays on the line through point i along `axis` of body i; the angle between the bodies
+    stays constant.
 
     Haug (3.3.13) states parallelism by a cross product, v_i⊥ᵀ v_j = 0, which also holds when the
     slider is turned by π. Here the second equation is φ_j - φ_i = const. The Jacobian is constant
