@@ -14,6 +14,7 @@ import numpy as np
 from codegen.declare.outlines import Outline, numbers_of
 from codegen.drawing.plane_geometry import Points, area, flattened, library, pairs
 from codegen.errors import ModelError
+from codegen.files.whole_files import whole_file
 from codegen.readers.calls import declaring
 from codegen.readers.quantities import UnitError, converted, finite_in_unit
 from codegen.readers.values import nearest, shown
@@ -283,15 +284,17 @@ def write_path(file: str | Path, points: Any, closed: bool = False) -> Path:
         document = library("ezdxf").new()
         document.units = library("ezdxf.units").MM
         document.modelspace().add_lwpolyline(rows.tolist(), format="xy", close=closed)
-        document.saveas(path)
+        with whole_file(path) as temporary:
+            document.saveas(temporary)
         return path
     rows = np.column_stack([rows[:, 0] - rows[:, 0].min(), rows[:, 1].max() - rows[:, 1]])
     width, height = rows.max(axis=0).tolist()
     way = " L ".join(f"{x!r},{y!r}" for x, y in rows.tolist())
-    path.write_text(
+    text = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}mm" height="{height}mm" '
         f'viewBox="0 0 {width} {height}" overflow="visible">\n<path d="M {way}{" Z" * closed}" '
-        f'fill="none" stroke="black" stroke-width="{_LINE * max(width, height):.3g}"/>\n</svg>\n',
-        encoding="utf-8",
+        f'fill="none" stroke="black" stroke-width="{_LINE * max(width, height):.3g}"/>\n</svg>\n'
     )
+    with whole_file(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
     return path

@@ -9,6 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from codegen import (
+    InputError,
     Model,
     ModelError,
     alpha,
@@ -214,3 +215,6 @@ def test_open_paths_and_mistakes(tmp_path: Path) -> None:
         write_path(tmp_path / "path.png", path)
     with pytest.raises(ModelError, match=r"path\.svg: a path is an array of finite x and y"):
         write_path(tmp_path / "path.svg", [[0.0, np.nan]])
+    for kind in ("svg", "dxf"):
+        with pytest.raises(InputError, match="cannot write"):
+            write_path(tmp_path / "absent" / f"path.{kind}", path)

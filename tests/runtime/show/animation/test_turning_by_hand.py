@@ -1,5 +1,6 @@
 """A page of kinematics is turned by hand: a body that is dragged moves the time."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -30,9 +31,9 @@ def _turned(show: Open, tmp_path: Path) -> Any:
     return page
 
 
-def test_the_crank_follows_the_pointer_round_and_back(turned: Any) -> None:
-    page = turned
-    center, pin = np.array(at(page, 0, 0.0)), np.array(at(page, 1, 1.4))
+def grasped(page: Any, x: float) -> Callable[[float], float]:
+    """Take the crank at a place; a function turns it by an angle, and returns the time there."""
+    center, pin = np.array(at(page, 0, 0.0)), np.array(at(page, 1, x))
     page.mouse.move(*pin)
     page.mouse.down()
 
@@ -41,6 +42,11 @@ def test_the_crank_follows_the_pointer_round_and_back(turned: Any) -> None:
         page.mouse.move(*(center + np.array([[c, s], [-s, c]]) @ (pin - center)))
         return float(page.evaluate(TIME))
 
+    return turn
+
+
+def test_the_crank_follows_the_pointer_round_and_back(turned: Any) -> None:
+    page, turn = turned, grasped(turned, 1.4)
     for k in range(1, 33):
         now = turn(k * np.pi / 16)
         assert now == pytest.approx(0.25 + k / 32, abs=2e-3)
@@ -60,15 +66,7 @@ def test_a_closed_motion_goes_round_through_its_ends(
     t = np.linspace(0.0, 1.0, 201)
     path = page_of(tmp_path / "crank.html", crank_pictures(t, 2 * np.pi * turns * t), driven=True)
     page = show(path)
-    center, pin = np.array(at(page, 0, 0.0)), np.array(at(page, 1, -0.05))
-    page.mouse.move(*pin)
-    page.mouse.down()
-
-    def turn(angle: float) -> float:
-        c, s = np.cos(angle), np.sin(angle)
-        page.mouse.move(*(center + np.array([[c, s], [-s, c]]) @ (pin - center)))
-        return float(page.evaluate(TIME))
-
+    turn = grasped(page, -0.05)
     for k in range(-1, -9, -1):
         now = turn(k * np.pi / 32)
     assert now == pytest.approx(back, abs=2e-3)
