@@ -13,6 +13,7 @@ from benchmarks.element_sample import Sample
 from benchmarks.element_sample import force as sample
 from benchmarks.hand.signatures import force, small, solution
 from codegen import Model
+from codegen import t as time
 from codegen.declare.body import Point
 
 SIX, SIY, SJX, SJY = 0.3, -0.2, -0.5, 0.1
@@ -229,6 +230,20 @@ def generalized(t, q, v, p, modes, Q):
     Q[5] = 0.0
 
 
+@force
+def mass_flow(t, q, v, p, modes, Q):
+    """2 kg/s come to a particle, the third body, with the velocity (1, -3) m/s."""
+    Q[0] = 0.0
+    Q[1] = 0.0
+    Q[2] = 0.0
+    Q[3] = 0.0
+    Q[4] = 0.0
+    Q[5] = 0.0
+    Q[6] = 2.0 * (1.0 - v[6])
+    Q[7] = 2.0 * (-3.0 - v[7])
+    Q[8] = 0.0
+
+
 @solution
 def friction(t, q, v, p, modes, a, lam):
     """Body i slides on a level guide, pressed by its weight: ẍ_i = 6 - μ g tanh(ẋ_i / v_c).
@@ -264,6 +279,10 @@ def _sticking(m: Model, i: Point, j: Point) -> None:
 def _drag(m: Model, i: Point, j: Point) -> None:
     vx = i.body.vx
     m.generalized_force("e", {i.body.x: -3 * vx * sqrt(vx**2 + 0.01)})
+
+
+def _filling(m: Model, i: Point, j: Point) -> None:
+    m.mass_flow("e", m.particle("tank", mass=5 + 2 * time), velocity=(1, -3))
 
 
 SAMPLES = (
@@ -318,5 +337,6 @@ SAMPLES = (
         "rigid contact",
     ),
     sample("generalized force", _drag, generalized, "generalized force, drag"),
+    sample("mass flow", _filling, mass_flow),
     Sample("friction", "friction in a guide", _rubbing, {"accelerations": friction}),
 )

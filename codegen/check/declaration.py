@@ -87,8 +87,10 @@ def known_symbols(model: "Model") -> frozenset[sympy.Symbol]:
     """Parameters, the time, and the coordinates and velocities of bodies and joints."""
     coordinates = [q for body in model.bodies.values() for q in body.coordinates]
     coordinates += [q for joint in model.joints.values() for q in own_coordinates(joint)]
+    coordinates += [q for body in model.bodies.values() for q, _ in body.laws]
     moving = (symbol for q in coordinates for symbol in (q, q.rate))
-    return frozenset((*model.defaults, t, *moving, *(s.symbol for s in model.states.values())))
+    of_states = (symbol for s in model.states.values() for symbol in (s.symbol, s.integral))
+    return frozenset((*model.defaults, t, *moving, *of_states))
 
 
 def _collisions(model: "Model") -> Iterator[str]:
@@ -121,13 +123,14 @@ def body_problems(model: "Model", body: Body, known: frozenset[sympy.Symbol]) ->
             yield f"{word} of body '{body.name}': {problem}"
             continue
         symbols = value.free_symbols
-        if unknown := sorted(s.name for s in symbols if s not in model.defaults):
+        values = {q: q.measure.neutral for q, _ in body.laws} | model.defaults
+        if unknown := sorted(s.name for s in symbols if s not in values):
             yield (
                 f"{word} of body '{body.name}': unknown symbol {', '.join(map(repr, unknown))}; "
-                "a mass is a number or an expression of parameters."
+                "a mass is an expression of t, coordinates and parameters."
             )
             continue
-        number = value.subs(model.defaults) if symbols else value
+        number = value.subs(values) if symbols else value
         try:
             size = constant_value(number)
         except (TypeError, ValueError, ArithmeticError):  # it is complex, or zoo

@@ -1,7 +1,7 @@
 """Checks of one scene of a sound model, before its equations are derived."""
 
 from collections.abc import Iterator
-from itertools import combinations
+from itertools import chain, combinations
 from typing import TYPE_CHECKING
 
 import sympy
@@ -20,6 +20,7 @@ from codegen.derive.effect_terms import available_quantities, effect_measures, e
 from codegen.derive.equations import parts_of
 from codegen.derive.parameter_conditions import element_conditions, outline_conditions, profiles_of
 from codegen.derive.switching_functions import Named, switches
+from codegen.elements.forces.mass_flow import MassFlow
 from codegen.model.scene_requests import ONE
 from codegen.parameter_conditions import profile_problems
 from codegen.readers.calls import errors_at
@@ -61,6 +62,7 @@ class _SceneCheck:
     def problems(self) -> Iterator[str]:
         """All others, without the name of the scene."""
         yield from self._missing_masses()
+        yield from self._missing_flows()
         yield from self._missing_parts()
         self._place_joints()
         yield from self._outputs()
@@ -84,6 +86,22 @@ class _SceneCheck:
                     f"body '{body.name}' has no {' and no '.join(missing)}; give it in "
                     f"model.{'body' if body.turns else 'particle'}('{body.name}', {arguments}), or "
                     "declare the scene with analysis='kinematics'."
+                )
+
+    def _missing_flows(self) -> Iterator[str]:
+        """Bodies whose masses vary by what takes no part, or whose flows do not act in whole."""
+        flows = [e for e in self.parts.effects.values() if isinstance(e, MassFlow)]
+        for body in self.parts.bodies if self.parts.moves else ():
+            where = f"the mass of body '{body.name}' varies"
+            owners = {q.owner for e in chain(*body.laws) for q in kinds(e, Coordinate)}
+            if absent := sorted(owners - self.present):
+                yield f"{where} by '{absent[0]}', which takes no part; leave the body out, too."
+            shares = sympy.Add(*(one.share for one in flows if one.point.body is body))
+            if body.laws and sympy.nsimplify(shares, tolerance=ROUNDING) != 1:
+                yield (
+                    f"{where}, and the shares of its mass flows that act add up to {shares}, not "
+                    "to 1; declare model.mass_flow(...) where the matter comes or goes, and name "
+                    "it among the effects."
                 )
 
     def _missing_parts(self) -> Iterator[str]:
@@ -206,7 +224,7 @@ class _SceneCheck:
             words = " or ".join(f"'{q}({name})'" for q in QUANTITIES if q in known)
             advice = f"ask for {words}" if words else "leave it out"
             return f"{label(effect)} has no {group}; {advice}."
-        working = bool(terms.loads or terms.pulls or terms.friction)
+        working = bool(terms.loads or terms.pulls or terms.friction or terms.flux)
         if group in ("work", "power") and not (working or terms.potential is not None):
             return f"'{name}' exerts nothing; leave it out."
         if group == "reaction" and not (terms.reported or terms.friction):

@@ -55,6 +55,8 @@ class Body(Pose):
         The centre of mass in the axes of the drawing, m; (0, 0) without an outline.
     conditions
         What is asked of its outline's parameters.
+    laws
+        (m, law) of a mass or an inertia m that varies, an own coordinate of the body's `MassLaw`.
     fixed, turns
         Whether the body is the ground, and whether it has an orientation.
     """
@@ -66,6 +68,7 @@ class Body(Pose):
     outlines: tuple[tuple[tuple[Any, Any], ...], ...] = field(default=(), kw_only=True)
     center: tuple[Any, Any] = field(default=(0, 0), kw_only=True)
     conditions: tuple[Any, ...] = field(default=(), kw_only=True)
+    laws: tuple[tuple[Coordinate, sympy.Expr], ...] = field(default=(), kw_only=True)
     fixed: ClassVar[bool] = False
     turns: ClassVar[bool] = True
 

@@ -1,8 +1,8 @@
 """States beside those of bodies, and conditions that a run watches.
 
-A state y is the rate of a coordinate of its own, its integral, with the mass 1 and without
-constraints: y's rate is a force on it. So every method, both formulations, exact derivatives,
-events and results take it as they take a velocity. It has no place, weight or energy.
+A state y is the rate of a coordinate of its own, its integral, with the mass 1 and no constraint
+but laws of masses: y's rate is a force on it. So every method, both formulations, exact
+derivatives, events and results take it as they take a velocity. It has no place, weight or energy.
 
 Where a watched condition begins to hold, something changes for good: a run ends, a value is
 sampled, or a joint that acts for a part of a run is released or engages.

@@ -21,7 +21,7 @@ class CoordinateKind(NamedTuple):
     """The kind of quantity that a coordinate measures."""
 
     rate: str  # letter of its velocity
-    unit: str  # "m", "rad", or "1" for numbers such as Euler parameters
+    unit: str  # "m", "rad", "kg" of masses, or "1" for numbers such as Euler parameters
     neutral: float = 0.0  # value in the pose in which the body's frame is the global one
 
     @property
@@ -42,12 +42,15 @@ KINDS = {
     "alpha": CoordinateKind("alphadot", "rad"),
     "beta": CoordinateKind("betadot", "rad"),
     "integral": CoordinateKind("value", "1"),
+    "mass": CoordinateKind("massflow", "kg", neutral=1.0),
+    "inertia": CoordinateKind("inertiaflow", "kg m^2", neutral=1.0),
 }
 """Letter of a coordinate → its kind.
 
 α and β are contact parameters of elements; the rate of an integral is a state, which has a unit of
 its own.
 """
+MASSES = ("mass", "inertia")  # letters of masses that vary
 
 
 def declare_letter(letter: str, kind: CoordinateKind) -> None:

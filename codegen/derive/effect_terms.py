@@ -24,6 +24,7 @@ from codegen.declare.state import WatchedCondition
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, derivative, kinds, rate, side
 from codegen.derive.piecewise_conditions import kinks_as_pieces, tables_by_branches
 from codegen.derive.power_continuation import continue_powers
+from codegen.elements.forces.mass_flow import MassFlow
 from codegen.elements.scalar_measures import along_scalar, unit_of
 
 Measure = el.Measure
@@ -59,12 +60,14 @@ class EffectTerms:
     measures: el.Measures = ()
     # (body, mass, acceleration) of the products that stand in V as one number
     weights: tuple[tuple[str, sympy.Expr, sympy.Expr], ...] = ()
+    flux: sympy.Expr | None = None  # W, that matter brings beside the power of its force
     watched: sympy.Expr | None = None  # 1 where a condition holds that a run watches, else 0
 
     @property
     def moving(self) -> list[sympy.Expr]:
         """The scalars, forces and potential, in the order that their conditions are numbered in."""
         found = [*chain(*self.pulls), *(force for _, force in self.loads)]
+        found += [] if self.flux is None else [self.flux]
         return found if self.potential is None else [*found, self.potential]
 
     @cached_property
@@ -102,6 +105,7 @@ def effect_terms(effect: el.Effect, bodies: Bodies) -> EffectTerms:
     pulls = tuple((tables_by_branches(s), _pull(s, f)) for s, f in along) + elastic
     components = tuple((part, unit, _pieces(value)) for part, unit, value in reported)
     friction = None if law is None else _friction(effect.name, law, hold)
+    flux = _pieces(effect.energy_flux) if isinstance(effect, MassFlow) else None
     watched = _pieces(effect.indicator) if isinstance(effect, WatchedCondition) else None
     return EffectTerms(
         potential,
@@ -111,6 +115,7 @@ def effect_terms(effect: el.Effect, bodies: Bodies) -> EffectTerms:
         hold,
         components,
         weights=weights_of(effect, bodies),
+        flux=flux,
         watched=watched,
     )
 

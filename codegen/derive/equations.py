@@ -27,6 +27,7 @@ from codegen.derive.parameter_conditions import (
     profiles_of,
 )
 from codegen.derive.scene_picture import ScenePicture, scene_picture
+from codegen.elements.forces.mass_flow import MassLaw
 from codegen.garbage_collection import collection_paused
 from codegen.model.base import TRACKED
 from codegen.readers.calls import errors_at
@@ -255,6 +256,8 @@ def derive(model: "Model", scene: Scene) -> Equations:
         *(q for c in constraints for _, q in c.statement.own),
     )
     watched = model.watched(scene)
+    if scene.analysis == "dynamics":
+        watched += tuple(law.exhaustion for law in joints.values() if isinstance(law, MassLaw))
     effects = tuple(_effect_equations(scene, parts))
     effects += tuple(
         EffectEquations(one.name, one.kind, effect_terms(one, bodies)) for one in watched

@@ -104,6 +104,7 @@ def fingerprint(equations: Equations) -> str:
         terms = effect.terms
         lines.append(f"{effect.kind} {effect.name} {terms.potential} {terms.loads}")
         lines += [f"  pulls {terms.pulls}"] if terms.pulls else []
+        lines += [f"  flux {terms.flux}"] if terms.flux else []
         lines += [f"  friction {terms.friction}"] if terms.friction else []
         lines += [f"  hold {terms.hold}"] if terms.hold else []
         lines += [f"  reported {terms.reported}"] if terms.reported else []

@@ -183,7 +183,7 @@ class SceneGraph:
                     self.potential = graph.add(self.potential, energy)
                     self._gather(self.gradient, {energy: graph.one})
                 power = self._apply_forces(terms, energy)
-                if (terms.loads or terms.pulls) and effect.name not in workless:
+                if (terms.loads or terms.pulls or terms.flux) and effect.name not in workless:
                     self.powers.append((effect.name, power))
                 asked = outputs & {f"{word}{of}" for word in ("power", "work") for of in ending}
                 if asked and effect.name not in states and terms.watched is None:
@@ -228,6 +228,8 @@ class SceneGraph:
             weights[s] = graph.add(weights.get(s, graph.zero), f)
             power = graph.add(power, graph.mul(f, self.moving.jet(s).first.value()))
         self._gather(self.forces, weights)
+        if terms.flux is not None:
+            power = graph.add(power, self.translate(terms.flux))
         for q, load in terms.loads:
             k, value = self.columns[q], self.translate(load)
             self.forces[k] = graph.add(self.forces[k], value)

@@ -5,8 +5,9 @@ a massless link, or as a link with its mass at the pins.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 import sympy
@@ -15,9 +16,11 @@ from codegen.declare.area_properties import area_condition, area_properties
 from codegen.declare.body import Body, Particle, Point
 from codegen.declare.outline_files import read_outline
 from codegen.declare.outlines import FEWEST, Outline, polygon, polygon_with_holes
-from codegen.declare.symbols import Parameter
+from codegen.declare.symbols import MASSES, Parameter, coordinate
 from codegen.declare.value_reader import Reader
 from codegen.drawing.plane_geometry import Corner
+from codegen.elements.forces.mass_flow import MassLaw
+from codegen.elements.scalar_measures import is_constant
 from codegen.errors import ModelError
 from codegen.model.base import Place
 from codegen.model.constraints import Constraints
@@ -25,6 +28,7 @@ from codegen.readers.values import KindError, members, shown
 
 Form = Literal["body", "link", "lumped"]
 Polygon = tuple[Corner, ...]
+Moving = TypeVar("Moving", bound=Body)
 FORMS = ("body", "link", "lumped")
 _PAIR = 2  # formula: coordinates of a corner
 
@@ -47,7 +51,8 @@ class MovingBodies(Constraints):
         mass, inertia
             Numbers in kg and kg m², pint quantities, parameters or expressions of them; may be left
             out if only kinematic scenes use the body. With an outline, `mass` is the mass of the
-            plate, in place of thickness and density.
+            plate, in place of thickness and density. Where they vary, by t, coordinates or tables,
+            `mass_flow` says how the matter comes or goes.
         draw
             The outline that draws the body: corners ``[(x', y'), ...]`` of a closed polygon in its
             frame, m, or several outlines; `disc` and `rectangle` return some. Otherwise the outline
@@ -68,7 +73,7 @@ class MovingBodies(Constraints):
         if outline is None:
             if density is not None or thickness is not None:
                 self._note(f"{where} has a density or a thickness, but no outline; give outline=.")
-            return self._declare(Body(name, m, j, self.token, outlines=polygons))
+            return self._declare_body(Body(name, m, j, self.token, outlines=polygons))
         if inertia is not None or (density is None) != (thickness is None) or None not in (m, rho):
             absent = f"{'density' if density is None else 'thickness'}= is missing"
             why = absent if None in (m, rho) else "mass= and density= are both given"
@@ -79,7 +84,7 @@ class MovingBodies(Constraints):
             )
         read = self._plate(outline, f"{where}: outline")
         if read is None:
-            return self._declare(Body(name, m, j, self.token, outlines=polygons))
+            return self._declare_body(Body(name, m, j, self.token, outlines=polygons))
         plate = area_properties(read, self.defaults)
         per_area = None if m is None else m / plate.size
         if rho is not None and height is not None:
@@ -91,7 +96,7 @@ class MovingBodies(Constraints):
         moved = tuple(tuple((x - cx, y - cy) for x, y in one) for one in polygons)
         asked = (area_condition(read),)
         body = Body(name, m, j, self.token, outlines=moved, center=(cx, cy), conditions=asked)
-        return self._declare(body)
+        return self._declare_body(body)
 
     def particle(self, name: str, mass: Any = None, *, draw: Any = None) -> Particle:
         """A point mass, with two coordinates and no orientation.
@@ -103,7 +108,7 @@ class MovingBodies(Constraints):
         """
         m = self._positive(mass, "kg", f"mass of particle '{name}'")
         outlines = self._outlines(draw, f"particle '{name}': draw")
-        return self._declare(Particle(name, m, None, self.token, outlines=outlines))
+        return self._declare_body(Particle(name, m, None, self.token, outlines=outlines))
 
     def draw_ground(self, draw: Any) -> None:
         """Draw a frame, a cylinder or the like as part of the ground: outlines as in `body`."""
@@ -146,11 +151,26 @@ class MovingBodies(Constraints):
         self.couplers[rod.name] = (rod, *halves)
         return rod
 
+    def _declare_body(self, body: Moving) -> Moving:
+        """Declare a body; a mass or inertia that varies becomes a coordinate that has a law."""
+        owner, given = f"{body.name}_matter", zip(MASSES, (body.mass, body.inertia), strict=True)
+        laws = tuple(
+            (coordinate(owner, word), law) for word, law in given if law and not is_constant(law)
+        )
+        if not laws:
+            return self._declare(body)
+        masses: dict[str, Any] = {q.letter: q for q, _ in laws}
+        varying = replace(body, laws=laws, **masses)
+        self._declare(MassLaw(owner, varying, self._bodies_in(*(law for _, law in laws))))
+        return self._declare(varying)
+
     def _absent_bodies(
-        self, read: Reader, where: str, without: tuple[str, ...], forms: Mapping[str, str]
-    ) -> tuple[str, ...]:
-        """Bodies that the forms of the couplers leave out of a scene."""
-        absent: list[str] = []
+        self, read: Reader, where: str, without: tuple[str, ...], forms: Mapping[str, str],
+        analysis: str,
+    ) -> tuple[str, ...]:  # fmt: skip
+        """Bodies that the forms of the couplers leave out of a scene, and laws of unused masses."""
+        laws = [name for name, joint in self.joints.items() if isinstance(joint, MassLaw)]
+        absent = laws if analysis == "kinematics" else []
         for name, (rod, *halves) in self.couplers.items():
             form = forms.get(name, "body")
             link = self.joints.get(f"{name}_link")

@@ -16,6 +16,7 @@ from codegen.elements.forces.applied import (
     LineForce,
     Potential,
 )
+from codegen.elements.forces.mass_flow import MassFlow
 from codegen.elements.forces.springs import Bushing, Spring, TorsionSpring
 from codegen.elements.forces.transmissions import ElasticBelt, GearWithBacklash, Motor, OneWayClutch
 from codegen.model.base import Declarations, Place, declares
@@ -53,6 +54,25 @@ class Forces(Declarations):
         label
             The name of the events of `when`, such as ``"valve opens / valve closes"``: one for the
             instant at which `when` begins to hold, and one for its end.
+        """
+
+    @declares(MassFlow, point="on")
+    def mass_flow(
+        self, name: str, on: Place, *, velocity: tuple[Any, Any] | None = None,
+        relative: tuple[Any, Any] | None = None, share: Any = 1,
+    ) -> Effect:  # fmt: skip
+        """Matter that comes to a body of varying mass, or leaves it, in each scene with the body.
+
+        Parameters
+        ----------
+        on
+            The point of the body where the matter comes or goes; a body means its centre of mass.
+        velocity
+            The velocity of the matter before it comes, or after it left, m/s, in global axes.
+        relative
+            In its place the velocity relative to the point of the body, in the axes of the body.
+        share
+            The part of the rate of the body's mass that flows here; those of a body add up to 1.
         """
 
     @declares(AppliedTorque, body="on")

@@ -215,7 +215,7 @@ class Scenes(SceneRequests):
         named = tuple(e for e in request.effects if e not in request.without)
         included, excluded = self._group_members(read, where, how, named)
         removed = (*request.without, *excluded)
-        absent = (*removed, *self._absent_bodies(read, where, removed, how))
+        absent = (*removed, *self._absent_bodies(read, where, removed, how, request.analysis))
         first, acts = self._connected_at_first(), request.connected
         connected = tuple(n for n in (first if acts is None else acts) if n not in absent)
         absent += tuple(n for n in self.connections if n not in connected)

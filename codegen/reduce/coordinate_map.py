@@ -18,7 +18,7 @@ with the coordinates c that remain.
 """
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Sequence, Set
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -64,7 +64,7 @@ class ExplicitCoordinates:
     nu: Sequence[int]  # ν
     gamma: Sequence[int]  # γ
     preferred: frozenset[int]  # columns that are kept where there is a choice
-    kept: frozenset[int]  # columns that are kept in any case
+    kept: Set[int]  # columns that are kept in any case
     rows: dict[int, Row] = field(default_factory=dict, init=False)
     # column → formula and rates, in the coordinates that remained when it was substituted
     substitutions: dict[int, tuple[int, Rates]] = field(default_factory=dict, init=False)
@@ -178,11 +178,15 @@ class CoordinateMap:
         self.rate_names = [str(q.rate.name) for q in scene.equations.coordinates]
         rates = enumerate(self.rate_names)
         self.accelerations = [graph.input("a", k, f"{name}_rate") for k, name in rates]
-        massless = frozenset(k for k in range(scene.n) if scene.mass[k, k] == graph.zero)
+        # those without a pivot in M, but for masses, which are explicit in their laws; and states
+        needed = {scene.columns[state.integral] for state in scene.equations.states}
+        without = (k for k in range(scene.n) if scene.mass[k, k] == graph.zero)
+        coordinates = scene.equations.coordinates
+        needed |= {k for k in without if not coordinates[k].unit.startswith("kg")}
         self.own = {k: i for i, k in scene.massless}  # column → row of joints' own coordinates
         fixed = frozenset(fixed_at_start(self.description))
         self.explicit = ExplicitCoordinates(
-            graph, scene.q, scene.phi, scene.jacobian, scene.nu, scene.gamma, fixed, massless
+            graph, scene.q, scene.phi, scene.jacobian, scene.nu, scene.gamma, fixed, needed
         )
         self.formulas = self.explicit.formulas()
         self.loops = self._loops()

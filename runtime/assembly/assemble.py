@@ -37,6 +37,7 @@ from runtime.singularity.motion_polynomial import taylor
 from runtime.singularity.singular_position_near_motion import SingularPositions
 from runtime.validation.arguments import parameter_values
 from runtime.validation.finite_equations import require_finite
+from runtime.validation.scene_support import require_mass
 
 BoolArray = npt.NDArray[np.bool_]
 
@@ -140,7 +141,7 @@ def _require_resolved_angles(description: Description, t: float, q: FloatArray) 
         f"numbers of this size lie {np.spacing(q[k]):.2g} rad apart, so that its sine is "
         f"not known to the {_UNRESOLVED:g} to which joints close. Take whole turns off: start "
         "values and motion laws mean the same without them."
-        for k in np.flatnonzero(~description.is_length & (np.spacing(np.abs(q)) > _UNRESOLVED))
+        for k in np.flatnonzero(description.is_angle & (np.spacing(np.abs(q)) > _UNRESOLVED))
     ]
     if problems:
         raise AssemblyError(problems)
@@ -180,6 +181,7 @@ def _report(
     findings: Findings,
 ) -> Assembly:  # fmt: skip
     """What was assembled, and what became of the start."""
+    require_mass(equations.description, np.array([t]), q[None])
     coordinates, table = equations.description.coordinates, equations.description.constraints
     before, after = np.array([start.q, start.v]), np.array([q, v])
     far = np.abs(after - before) > MOVED * scale * np.maximum(1.0, np.abs(after))

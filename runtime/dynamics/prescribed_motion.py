@@ -45,7 +45,7 @@ from runtime.results.run_records import Event
 from runtime.results.samples import Samples
 from runtime.validation.arguments import instants, parameter_values, require_masses
 from runtime.validation.finite_equations import left_tables, name_left_tables
-from runtime.validation.scene_support import require_no_rigid
+from runtime.validation.scene_support import require_mass, require_no_rigid
 
 _DIRECTIONS = {"crossing": int(Direction.CROSSED), "lock-up": int(Direction.LOCKED)}
 
@@ -154,6 +154,7 @@ def inverse_dynamics(
         parameters = {**(parameters or {}), **given}
     options |= {"parameters": parameters, "analysis": "inverse dynamics"}
     result = kinematics(mechanism, t_eval, **options)
+    require_mass(description, result.samples.t, result.samples.q)
     if sought:
         describe_unknown(result)
     name_held_frictions(result, Equations(mechanism, parameter_values(mechanism, parameters)))

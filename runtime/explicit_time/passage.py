@@ -20,7 +20,7 @@ from runtime.explicit_time.function_scan import FAR, GROWTH, FunctionArrays
 from runtime.explicit_time.instants import Kink, TimeInstants, time_instants
 from runtime.integrate.problem import Passage, Stops
 from runtime.mechanism.dense_equations import Equations, approaches
-from runtime.mechanism.table_rows import TimeFunction
+from runtime.mechanism.table_rows import MASS_LAW, TimeFunction
 
 _FAST, _FASTER = 1e3, 1e12  # safety: of sizes and speeds; rates at which a force is judged
 _GROWS = 1e-2  # safety: ratio of f/ṡ at these; it is 1 for f ~ ṡ, and 3e-5 for a root of ṡ
@@ -174,7 +174,9 @@ class Passages:
         if np.any(jumps > 0.0):
             row = int(jumps.argmax())
             size = abs(float(nu_after[row] - nu[row]))
-            if slides:
+            kinds = [one.kind for one in self.equations.description.constraints]
+            strikes = any(k != MASS_LAW for k, jump in zip(kinds, jumps, strict=True) if jump > 0.0)
+            if slides and strikes:
                 text = f"has a rate that jumps by {size:.6g} a second at t = {kink.after:.9g} s, "
                 holds = "while a contact is closed, friction sticks or a one-way clutch grips"
                 return self._end(kink, f"{text}{holds}", row)
@@ -184,7 +186,8 @@ class Passages:
                 rate = float(self.equations.velocity_rhs(t, q)[row])
                 return bool(abs(rate - nu_after[row]) < abs(rate - nu[row]))
 
-            return here._replace(v=v_after, behind=behind, event=Direction.IMPACT)
+            event = Direction.IMPACT if strikes else Direction.BEGAN
+            return here._replace(v=v_after, behind=behind, event=event)
         before, after = (np.concatenate(values[2:]) for values in sides)
         bends = not np.allclose(before, after, rtol=_JUMP, atol=_JUMP)
         if bends:  # or both are steep alone

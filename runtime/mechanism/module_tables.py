@@ -212,6 +212,11 @@ class Description:
         return np.array([row.is_length for row in self.coordinates], dtype=np.bool_)
 
     @cached_property
+    def is_angle(self) -> npt.NDArray[np.bool_]:
+        """True for coordinates in rad, shape (n,)."""
+        return np.array([row.is_angle for row in self.coordinates], dtype=np.bool_)
+
+    @cached_property
     def state_columns(self) -> tuple[int, ...]:
         """Columns of the states with rates of their own."""
         return tuple(row.column for row in self.states if row.name not in self.sampled)

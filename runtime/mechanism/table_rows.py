@@ -157,6 +157,7 @@ class Parameter(NamedTuple):
     sign: str
 
 
+MASS_LAW = "mass law"  # kind of the equations of masses that vary, which push nothing
 TRACKED = "tracked point"  # kind of a point whose place is an output; it stands among the effects
 
 

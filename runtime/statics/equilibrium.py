@@ -250,7 +250,7 @@ def _search(
     if np.abs(statics.equations.velocity_rhs(statics.t, start)).max(initial=0.0) > 0.0:
         raise AnalysisError(
             f"{description.title}: settling needs drivers at rest, and "
-            f"{', '.join(description.drivers)} moves at t = {statics.t:g} s. "
+            f"{', '.join(description.drivers) or 'a law of time'} moves at t = {statics.t:g} s. "
             'Use method="energy".'
         )
     from runtime.statics.kinetic_damping import settle_down  # compiles where it is used

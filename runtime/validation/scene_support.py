@@ -4,10 +4,13 @@ from typing import NoReturn
 
 import numpy as np
 
-from codegen.errors import AnalysisError, InputError
-from runtime.core.arrays import Vector
+from codegen.errors import AnalysisError, InputError, ParameterError
+from runtime.core.arrays import Matrix, Vector
 from runtime.mechanism.mechanism import Mechanism
+from runtime.mechanism.module_tables import Description
 from runtime.results.assembled_state import Assembly
+
+MASSES = ("kg", "kg m^2")  # units of the coordinates that are masses
 
 
 def require_motion(mechanism: Mechanism, question: str) -> None:
@@ -78,6 +81,18 @@ def driven_note(mechanism: Mechanism, begin: Assembly) -> str:
         "coordinates. inverse_dynamics gives the same motion and forces at any instants without "
         f"steps, kinematics the motion alone."
     )
+
+
+def require_mass(description: Description, t: Vector, q: Matrix) -> None:
+    """Refuse positions q, (k, n), at instants t, (k,), in which a mass that varies is lost."""
+    problems = [
+        f"{description.title}: {row.name} is {q[first, k]:g} {row.unit} at t = {t[first]:.9g} s; "
+        "it must be positive. Give another law or start, or end before this time."
+        for k, row in enumerate(description.coordinates)
+        for first in (np.flatnonzero(q[:, k] <= 0.0)[:1] if row.unit in MASSES else ())
+    ]
+    if problems:
+        raise ParameterError(problems)
 
 
 def require_apart(

@@ -37,6 +37,10 @@ class Gravity(Effect):
         centres = ((b.mass, tuple(b.mass_centre)) for b in bodies if b.mass is not None)
         return sympy.Add(*(-m * sympy.Add(*(g * r[k] for k, g in axes)) for m, r in centres))
 
+    def forces(self, bodies: Bodies) -> Loads:
+        """∂V/∂m along masses m that vary: matter that comes has its potential energy already."""
+        return {q: sympy.diff(self.potential(bodies), q) for b in bodies for q, _ in b.laws}
+
     def weights(self, bodies: Bodies) -> tuple[tuple[str, sympy.Expr, sympy.Expr], ...]:
         """(body, mass, acceleration) of the products m g in the potential."""
         return tuple((b.name, b.mass, g) for b in bodies if b.mass is not None for g in self.g)

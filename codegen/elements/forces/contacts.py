@@ -325,7 +325,7 @@ class RigidContact(Effect):
     def _scale(self, bodies: Bodies) -> sympy.Expr:
         if self.typical_force is not None:
             return self.typical_force
-        masses = [body.mass for body in bodies if body.mass is not None]
+        masses = [b.mass for b in bodies if b.mass is not None and is_constant(b.mass)]
         return sympy.Float(GRAVITY) * (sympy.Add(*masses) if masses else sympy.S.One)
 
     def shapes(self) -> shapes.Shapes:

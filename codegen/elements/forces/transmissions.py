@@ -117,7 +117,8 @@ class OneWayClutch(measures.TurnMeasures, Effect):
         return sympy.Piecewise((self.capacity, SPEED < 0), (0, True))
 
     def _scale(self) -> sympy.Expr:
-        inertias = [body.inertia for body in self.bodies if body.inertia is not None]
+        given = (body.inertia for body in self.bodies)
+        inertias = [one for one in given if one is not None and measures.is_constant(one)]
         return sympy.Float(TYPICAL) * (sympy.Add(*inertias) if inertias else sympy.S.One)
 
     def shapes(self) -> shapes.Shapes:

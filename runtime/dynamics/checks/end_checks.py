@@ -82,7 +82,7 @@ def _residuals(equations: Equations, samples: Samples, sizes: FloatArray, option
     if not len(samples.t) or not equations.m:
         return ""
     reached = np.abs(samples.q).max(axis=0)
-    lengths = np.where(equations.description.is_length, np.maximum(sizes, reached), sizes)
+    lengths = np.where(equations.description.is_angle, sizes, np.maximum(sizes, reached))
     speeds = np.maximum(sizes, np.abs(samples.v).max(axis=0))
     poses = (0, len(samples.t) // 2, -1)  # an arm may vanish in one of three
     slopes = [np.abs(equations.slopes(float(samples.t[k]), samples.q[k])) for k in poses]
@@ -106,7 +106,7 @@ def _residuals(equations: Equations, samples: Samples, sizes: FloatArray, option
 
 def _unresolved_angles(equations: Equations, samples: Samples, permitted: float) -> str:
     """A sentence on angles that are too large for their sines to be as exact as `permitted`."""
-    last = np.where(equations.description.is_length, 0.0, np.abs(samples.q[-1]))
+    last = np.where(equations.description.is_angle, np.abs(samples.q[-1]), 0.0)
     names = [equations.description.coordinates[k].name for k in np.flatnonzero(last > 1.0)]
     if not names or np.spacing(last.max()) < 0.1 * permitted:
         return ""

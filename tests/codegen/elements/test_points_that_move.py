@@ -112,7 +112,7 @@ LAWS: dict[str, tuple[Build, list[tuple[Callable[..., Number], Callable[..., Num
 }
 """Words → how the effect is declared, and (s, f(s, ṡ)) of the forces Q = -f s_q by hand."""
 
-OTHERS = {"force", "tracked point"}
+OTHERS = {"force", "mass flow", "tracked point"}
 """Kinds of forces at points that have tests of their own."""
 
 
