@@ -26,6 +26,7 @@ from codegen.declare.symbols import (
     SPEED,
     Coordinate,
     Given,
+    ResultSeries,
     Side,
     Speed,
     Time,
@@ -294,10 +295,12 @@ def unknown(model: "Model", where: str, symbol: sympy.Symbol) -> str:
     """The sentence about a symbol that means nothing in a model."""
     if isinstance(symbol, Given):
         return f"{where}: the placeholder '{symbol}' is not bound; add it to bindings."
-    if isinstance(symbol, Speed | Side):
+    if isinstance(symbol, Speed | Side | ResultSeries):
         meaning = "the rate of a scalar, in a force of pulls()"
         if isinstance(symbol, Side):
             meaning = "the side of an effect, in the forces of the one whose hold() says so"
+        if isinstance(symbol, ResultSeries):
+            meaning = "a series of results, in the outputs of a scene"
         return f"{where}: the symbol '{symbol}' stands for {meaning}; nothing else may have it."
     if isinstance(symbol, Coordinate | Velocity):
         owner = symbol.name.rpartition("_")[0]

@@ -21,7 +21,7 @@ from codegen.derive.equations import parts_of
 from codegen.derive.parameter_conditions import element_conditions, outline_conditions, profiles_of
 from codegen.derive.switching_functions import Named, switches
 from codegen.elements.forces.mass_flow import MassFlow
-from codegen.model.scene_requests import ONE
+from codegen.model.scene_requests import OF_POINTS, ONE
 from codegen.parameter_conditions import profile_problems
 from codegen.readers.calls import errors_at
 from codegen.readers.values import one_line
@@ -29,7 +29,7 @@ from codegen.readers.values import one_line
 if TYPE_CHECKING:
     from codegen.model import Model
 
-_GEOMETRY = ("default", "point", *(word for word in QUANTITIES if word not in EXERTED))
+_GEOMETRY = ("default", *OF_POINTS, *(word for word in QUANTITIES if word not in EXERTED))
 _CONSTANT = {
     el.Sticking: (("coefficient", "kinetic"), ("static coefficient", "static")),
     el.Rigid: (("restitution", "restitution"), ("typical force", "scale")),
@@ -177,7 +177,7 @@ class _SceneCheck:
                     f"out; declare it with analysis='dynamics', {leave}"
                 )
                 continue
-            if scene.analysis == "equilibrium" and word.startswith(("power", "work")):
+            if scene.analysis == "equilibrium" and word.startswith(("power", "work", "accel")):
                 yield (
                     f"the output '{word}' needs a motion, which a scene for equilibrium leaves "
                     f"out; declare it with analysis='dynamics', {leave}"
@@ -191,12 +191,12 @@ class _SceneCheck:
                     yield f"there is no output '{word}', as {reason}"
                 continue
             kind, advice = model.kind(name), ""
-            if group == "point":  # the point's body takes no part, or the scene leaves it out
+            if group in OF_POINTS:  # the point's body takes no part, or the scene leaves it out
                 (body,) = model.effects[name].bodies
                 if body.name not in scene.bodies:
                     kind, name = model.kind(body.name), body.name
                 else:
-                    kind = group
+                    kind = "point"
             else:
                 others = f"{kind}s" if kind in ("effect", "driver") else "bodies and joints"
                 advice = f" among its {others}"
@@ -209,6 +209,10 @@ class _SceneCheck:
         """Why an element that acts has no such reaction, power or work."""
         parts = self.parts
         if name not in self.scene.effects:
+            if group == "global_reaction":
+                statement, _ = constraint_terms((parts.joints | parts.drivers)[name])
+                plane = isinstance(statement.reaction, el.JointReaction)
+                return None if plane else f"'{name}' has no force in a plane; leave it out."
             if group in QUANTITIES:
                 return f"'{name}' is no effect; ask for 'reaction({name})'."
             element = (parts.joints | parts.drivers)[name]
@@ -227,7 +231,7 @@ class _SceneCheck:
         working = bool(terms.loads or terms.pulls or terms.friction or terms.flux)
         if group in ("work", "power") and not (working or terms.potential is not None):
             return f"'{name}' exerts nothing; leave it out."
-        if group == "reaction" and not (terms.reported or terms.friction):
+        if group.endswith("reaction") and not (terms.reported or terms.friction):
             return f"{label(effect)} is no joint; ask for 'force({name})'."
         return None
 

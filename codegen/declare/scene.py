@@ -2,18 +2,39 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
+
+import sympy
 
 from codegen.declare.state import WatchedCondition
-from codegen.declare.symbols import Coordinate, Velocity, dotted
+from codegen.declare.symbols import Coordinate, ResultSeries, Velocity, dotted, kinds
 from codegen.errors import SceneError
 from codegen.object_display import html_of, listed
 from codegen.readers.calls import declaring_class, named_attributes
-from codegen.readers.values import shown
+from codegen.readers.values import KindError, plain_number, shown
 
 Analysis = Literal["dynamics", "kinematics", "equilibrium"]
 ANALYSES = ("dynamics", "kinematics", "equilibrium")
 Pairs = tuple[tuple[str, float], ...]
+
+
+class ExpressionOutput(NamedTuple):
+    """A series that a scene computes by an expression."""
+
+    name: str
+    expression: sympy.Expr  # of coordinates, velocities, states, parameters, t, and series
+    unit: str  # of SI; empty where it is not known
+
+    @property
+    def series(self) -> list[ResultSeries]:
+        """The series of results in it."""
+        return kinds(self.expression, ResultSeries)
+
+    @property
+    def owners(self) -> set[str]:
+        """Names of the bodies, states and elements to which something in it belongs."""
+        places = kinds(self.expression, Coordinate, Velocity)
+        return {s.name.rpartition("_")[0] for s in places} | {s.owner for s in self.series}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +50,7 @@ class Choices:
     frozen: bool = False
     analysis: Analysis = "dynamics"
     outputs: tuple[str, ...] | None = None
+    expressions: tuple[ExpressionOutput, ...] = ()
     until: tuple[WatchedCondition, ...] = ()
     unknown: tuple[str, ...] = ()
 
@@ -61,7 +83,8 @@ class Request(Choices):
         for key in ("fidelity", "start", "guess", "parameters"):
             changes[key] = tuple(dict(both(key)).items())
         changes["until"] = tuple({one.name: one for one in both("until")}.values())
-        return replace(self, **changes | {name: getattr(by, name) for name in explicit})
+        stated = {*explicit, *(("expressions",) if "outputs" in explicit else ())}
+        return replace(self, **changes | {name: getattr(by, name) for name in stated})
 
 
 def name_of(element: Any) -> str:
@@ -73,6 +96,22 @@ def name_of(element: Any) -> str:
         return dotted(element)
     name = element if isinstance(element, str) else getattr(element, "name", None)
     return str(name) if isinstance(name, str) else shown(element)
+
+
+def written(value: Any) -> str:
+    """A keyword's value in the comment that says how a scene was varied: names and numbers."""
+    if value is None or isinstance(value, bool):
+        return str(value)
+    if isinstance(value, str) or isinstance(getattr(value, "name", None), str):
+        return repr(name_of(value))
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(f'{written(k)}: {written(v)}' for k, v in value.items())}}}"
+    if isinstance(value, tuple | list):
+        return f"[{', '.join(map(written, value))}]"
+    try:
+        return repr(plain_number(value))
+    except KindError:
+        return shown(value)
 
 
 class Owner(Protocol):
@@ -128,6 +167,8 @@ class Scene(Choices):
         needs.
     outputs
         The outputs computed in addition to the motion; None means those of ``"default"``.
+    expressions
+        Outputs that are expressions.
     until
         The conditions that end a run.
     unknown
@@ -209,6 +250,7 @@ class Scene(Choices):
         before, acts = self.root or self, {*self.effects, *self.drivers}
         gone = [n for n in (*before.effects, *before.drivers) if n not in acts]
         outputs = ("reactions", "energy", "powers") if self.outputs is None else self.outputs
+        outputs += tuple(one.name for one in self.expressions)
         rows = {
             "bodies": self.bodies or ["none"],
             "acting": acting or ["nothing"],

@@ -151,6 +151,17 @@ class Acceleration(ModelSymbol):
     __slots__ = ()
 
 
+class ResultSeries(ModelSymbol):
+    """A series of results by its name, such as ``A.fx`` or ``a(crank.phi)``, in an output."""
+
+    __slots__ = ()
+
+    @property
+    def owner(self) -> str:
+        """The body or element, or ``ground``, whose series it is."""
+        return str(self.name.removeprefix("a(").partition(".")[0])
+
+
 class Multiplier(ModelSymbol):
     """A Lagrange multiplier."""
 

@@ -192,6 +192,8 @@ def terms_in_scene(effect: el.Effect, scene: Scene, bodies: Bodies) -> EffectTer
     """
     outputs, kinematic = {*(scene.outputs or ())}, scene.analysis == "kinematics"
     asked = {q for q in el.QUANTITIES if outputs & {f"{q}s", f"{q}({effect.name})"}}
+    if any(effect.name in one.owners for one in scene.expressions):
+        asked = {*el.QUANTITIES}
     if effect.name in scene.states:  # the rate of a state, which no result calls a force
         asked = set()
     if kinematic and not asked - {*el.EXERTED}:

@@ -9,11 +9,12 @@ import sympy
 from codegen.declare.body import Bodies, Body
 from codegen.declare.element import Constraint, Effect, Element, Statement, label
 from codegen.declare.returned_values import replaced_body
-from codegen.declare.scene import Scene
+from codegen.declare.scene import ExpressionOutput, Scene
 from codegen.declare.state import WATCHED, State, WatchedCondition, states_in
 from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration, Velocity
 from codegen.derive import constraint_terms as cs
 from codegen.derive import switching_functions as sf
+from codegen.derive.derived_outputs import derived_outputs
 from codegen.derive.effect_terms import EffectTerms, effect_terms, terms_in_scene
 from codegen.derive.inertia import inertia
 from codegen.derive.parameter_conditions import (
@@ -54,6 +55,7 @@ class EffectEquations:
     name: str
     kind: str
     terms: EffectTerms
+    on_ground: bool = False  # whether it may exert a force on the ground
 
 
 class SampledValue(NamedTuple):
@@ -68,6 +70,7 @@ class SampledValue(NamedTuple):
 
 
 MassEntry = tuple[int, int, sympy.Expr]  # (row, column, entry) of M
+TOUCHING = ("contact", "rigid contact", "stop", "dry friction")  # perhaps the ground, unnamed
 OWN = "body"  # kind of the constraints that a body brings itself
 
 
@@ -102,6 +105,13 @@ class Equations:
     together: tuple[tuple[tuple[str, ...], str], ...] = ()
     labels: tuple[tuple[sympy.Basic, str], ...] = ()  # of conditions, what events are called
     picture: ScenePicture | None = None
+    derived: tuple[ExpressionOutput, ...] = ()
+
+    @property
+    def shakes(self) -> bool:
+        """Whether the force on the ground is an output."""
+        needed = (one.owners for one in self.scene.expressions)
+        return "shaking" in (self.scene.outputs or ()) or any("ground" in of for of in needed)
 
     @property
     def sampled(self) -> tuple[SampledValue, ...]:
@@ -238,7 +248,8 @@ def _effect_equations(scene: Scene, parts: Parts) -> Iterator[EffectEquations]:
             else:
                 terms = terms_in_scene(effect, scene, parts.bodies)
             if terms is not None:
-                yield EffectEquations(name, effect.kind, terms)
+                grounded = effect.kind in TOUCHING or any(body.fixed for body in effect.bodies)
+                yield EffectEquations(name, effect.kind, terms, grounded)
 
 
 @collection_paused()
@@ -266,9 +277,12 @@ def derive(model: "Model", scene: Scene) -> Equations:
     # the parameters of the elements that take part
     bound = [(c.terms, [*c.statement.bindings.values()]) for c in constraints]
     rates = [s.expressions for s in states]
+    points = (e for e in parts.effects.values() if e.kind == TRACKED)
+    joined = ((c.name, c.statement) for c in constraints)
+    derived = tuple(derived_outputs(scene, joined, points))
     used = {
         symbol.name
-        for expression in expressions_in((mass, force, rates, effects, bound))
+        for expression in expressions_in((mass, force, rates, effects, bound, derived))
         for symbol in expression.free_symbols
         if isinstance(symbol, Parameter)
     }
@@ -305,6 +319,7 @@ def derive(model: "Model", scene: Scene) -> Equations:
         together=model.together(scene),
         labels=tuple(model.labels.items()),
         picture=scene_picture(model.ground, bodies, drawn, values, frozenset(used)),
+        derived=derived,
     )
     conditions, profiles = outline_conditions(bodies), list[Profile]()
     defaults = {Parameter(name, real=True): value for name, value in values.items()}

@@ -9,6 +9,7 @@ from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.differentiation.derivative_along_motion import Direction
 from codegen.lower.kernels.accelerations import accelerations, inverse_mass_ratio, weak_pivot
 from codegen.lower.kernels.corrections import correction
+from codegen.lower.kernels.derived_outputs import derived_kernel, derived_rows
 from codegen.lower.kernels.scalar_kernels import (
     condition_kernels,
     hold_kernels,
@@ -45,6 +46,7 @@ class Selection:
         laws = ((e.name, e.terms.friction) for e in equations.effects)
         self._needed = {name for name, law in laws if law and law.limit is not None}
         self._points = tracked_points(equations)
+        self._read = {symbol.name for one in equations.derived for symbol in one.series}
         self._massive = bool(equations.mass)
 
     def energy(self) -> bool:
@@ -65,6 +67,8 @@ class Selection:
 
     def _reported(self, row: Reaction) -> bool:
         is_place = row.element in self._points and row.unit in ("m", "m/s")
+        if f"{row.element}.{row.component}" in self._read:
+            return self._massive or {"reaction", "shaking"}.isdisjoint(row.words)
         if is_place or ("reaction" in row.words and row.element in self._needed):
             return True
         asked = (self._names(word, row.element) for word in row.words if word != "reaction")
@@ -162,6 +166,8 @@ def lower(equations: Equations) -> Lowered:
         )
         outputs = reaction_outputs(scene, reported, switched=False)
         kernels.append(Kernel("reactions", summary, (*STATE, "lam", "out"), outputs))
+    if derived := [*derived_rows(scene, reported)]:
+        kernels.append(derived_kernel(derived, len(reported)))
     if equations.switches:
         kernels += _switching_kernels(scene, resting)
         kernels += hold_kernels(scene, reported)
@@ -174,7 +180,7 @@ def lower(equations: Equations) -> Lowered:
     program = with_constants(
         scene.graph, tuple(kernels), len(equations.parameters), weak_pivot(spread)
     )
-    description = describe(scene, powers, reported, recovered, peaks)
+    description = describe(scene, powers, [*reported, *derived], recovered, peaks)
     return Lowered(program, description, strategy, scene)
 
 

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import sympy
 
-from codegen.declare.symbols import SPEED, Acceleration, Parameter, t
+from codegen.declare.symbols import LETTERS, SPEED, Acceleration, Parameter, t
 from codegen.derive.effect_terms import EffectTerms, FrictionTerms, Measure
 from codegen.derive.equations import Equations
 from codegen.derive.piecewise_conditions import Boundary
@@ -80,8 +80,12 @@ class SceneGraph:
         velocities = dict(zip(self.q, self.v, strict=True))
         self.moving = Direction(graph, velocities, order=1)  # along q̇ with t held
         self.motion = Direction(graph, {**velocities, self.time: graph.one})  # along q̇ and t
+        # what elements on the ground, and all constraints, exert on the bodies, where it is asked
+        self.of_ground = [graph.zero] * self.n if equations.shakes else []
         self._constraints()
         self._effects()
+        if equations.shakes:
+            self._ground()
 
     def _inputs(self, array: str, names: list[str]) -> list[int]:
         return [self.graph.input(array, k, name) for k, name in enumerate(names)]
@@ -182,7 +186,7 @@ class SceneGraph:
                     self.conservative.add(effect.name)
                     self.potential = graph.add(self.potential, energy)
                     self._gather(self.gradient, {energy: graph.one})
-                power = self._apply_forces(terms, energy)
+                power = self._apply_forces(terms, energy, effect.on_ground)
                 if (terms.loads or terms.pulls or terms.flux) and effect.name not in workless:
                     self.powers.append((effect.name, power))
                 asked = outputs & {f"{word}{of}" for word in ("power", "work") for of in ending}
@@ -212,7 +216,33 @@ class SceneGraph:
             where = f"body '{self.equations.coordinates[k].owner}'"
             raise ModelError(f"{where}: {problem}" for problem in error.problems) from error
 
-    def _apply_forces(self, terms: EffectTerms, energy: int) -> int:
+    def _ground(self) -> None:
+        """Add the force on the ground, and its moment about the origin, in global axes.
+
+        What connects bodies to each other adds nothing to the sums over all bodies.
+        """
+        graph, total, equations = self.graph, self.of_ground, self.equations
+        fx = fy = torque = graph.zero
+        with graph.serving("ground"):
+            for (i, k), slope in self.jacobian.items():
+                total[k] = graph.sub(total[k], graph.mul(slope, self.lam[i]))
+            for body in equations.bodies:
+                own = {q.letter: k for q, k in self.columns.items() if q.owner == body}
+                if not {"x", "y"} <= own.keys() <= {*LETTERS}:
+                    where = (
+                        f"scene '{equations.scene.name}': the force on the ground needs x, y and"
+                    )
+                    has = f"body '{body}' has {', '.join(own)}; leave that output out."
+                    raise ModelError(f"{where} phi, but {has}")
+                x, y = own["x"], own["y"]
+                fx, fy = graph.sub(fx, total[x]), graph.sub(fy, total[y])
+                torque = graph.sub(torque, graph.mul(self.q[x], total[y]))
+                torque = graph.add(torque, graph.mul(self.q[y], total[x]))
+                torque = graph.sub(torque, total[own["phi"]]) if "phi" in own else torque
+        for part, unit, value in ("fx", "N", fx), ("fy", "N", fy), ("torque", "N m", torque):
+            self.reactions.append(Reaction("ground", part, unit, value, ("shaking",)))
+
+    def _apply_forces(self, terms: EffectTerms, energy: int, on_ground: bool) -> int:
         """Add all forces of an effect to `forces`; the power of those without a potential.
 
         Those of the potential and those along scalars are gathered in one walk back: a spring and
@@ -227,12 +257,15 @@ class SceneGraph:
             f = graph.neg((self.translate.scoped(speed) if speed else self.translate)(force))
             weights[s] = graph.add(weights.get(s, graph.zero), f)
             power = graph.add(power, graph.mul(f, self.moving.jet(s).first.value()))
-        self._gather(self.forces, weights)
+        totals = [self.forces, *([self.of_ground] if on_ground and self.of_ground else ())]
+        for total in totals:
+            self._gather(total, weights)
         if terms.flux is not None:
             power = graph.add(power, self.translate(terms.flux))
         for q, load in terms.loads:
             k, value = self.columns[q], self.translate(load)
-            self.forces[k] = graph.add(self.forces[k], value)
+            for total in totals:
+                total[k] = graph.add(total[k], value)
             power = graph.add(power, graph.mul(value, self.v[k]))
         return power
 
@@ -269,6 +302,8 @@ class SceneGraph:
         sizes = [self.size([self.along(entry, self.lam) for entry in load]) for load in loads]
         pressing = graph.total(sizes)
         force = friction.choice(graph, stiction, graph.neg(graph.mul(coefficient, pressing)))
+        for k, slope in direction.items() if self.of_ground else ():
+            self.of_ground[k] = graph.add(self.of_ground[k], graph.mul(force, slope))
         kind, words = "force" if terms.unit == "N" else "torque", _words(terms.unit)
         self.reactions.append(Reaction(name, kind, terms.unit, force, words))
         normal = words if terms.sticks else words[1:]

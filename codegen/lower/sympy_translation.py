@@ -36,7 +36,7 @@ from codegen.tables.table_function import Interpolant
 FUNCTIONS = {getattr(sympy, name): Op(name) for name in ELEMENTARY if name not in ("sqrt", "pow")}
 
 # how often an argument changes
-RANKS = {"p": 1, "t": 2, "stiction": 2, "q": 3, "v": 4, "a": 5, "lam": 6}
+RANKS = {"p": 1, "t": 2, "stiction": 2, "q": 3, "v": 4, "a": 5, "lam": 6, "reaction": 6}
 
 
 class Translator:

@@ -23,6 +23,7 @@ from codegen.errors import ModelError
 from codegen.model.base import TRACKED, Place, declares
 from codegen.model.bodies import FORMS, MovingBodies
 from codegen.model.connections import Connections
+from codegen.model.expression_outputs import ExpressionOutputs
 from codegen.readers.values import KindError, entries, name_problem, nearest, shown
 
 NONE = "none"  # the fidelity of an effect that a scene does without
@@ -30,13 +31,15 @@ NONE = "none"  # the fidelity of an effect that a scene does without
 
 ALL = ("reactions", "energy", "powers")  # outputs of a scene that names none
 DEFAULT = "default"  # the word for these; of powers those that make a balance with the energies
-GROUPS = (*ALL, "points", "works", *(f"{quantity}s" for quantity in QUANTITIES))
-SINGLE = ("reaction", "power", "point", "work", *QUANTITIES)
+DERIVED = ("accelerations", "global_reactions")  # of points; in global axes
+GROUPS = (*ALL, "points", "works", *(f"{quantity}s" for quantity in QUANTITIES), *DERIVED)
+OF_POINTS = ("point", "acceleration")
+SINGLE = (*OF_POINTS, "reaction", "global_reaction", "power", "work", *QUANTITIES)
 ONE = re.compile(rf"({'|'.join(SINGLE)})\((\w+)\)\Z")
 OF_ANALYSIS = {
     "dynamics": GROUPS,
-    "equilibrium": tuple(group for group in GROUPS if group not in ("powers", "works")),
-    "kinematics": ("points", *(f"{word}s" for word in QUANTITIES if word not in EXERTED)),
+    "equilibrium": tuple(g for g in GROUPS if g not in ("powers", "works", "accelerations")),
+    "kinematics": tuple(f"{w}s" for w in (*OF_POINTS, *QUANTITIES) if w not in EXERTED),
 }
 """Analysis → the groups of outputs that a scene for it may have, which ``"all"`` means."""
 
@@ -50,7 +53,7 @@ class TrackedPoint(Effect):
     point: Point
 
     def reported(self, bodies: Bodies) -> Reported:
-        """Its global coordinates, m, and their rates, m/s."""
+        """Its global coordinates, m, and their rates, m/s; `derived` has the accelerations."""
         at = self.point
         return ("x", "m", at.x), ("y", "m", at.y), ("vx", "m/s", at.vx), ("vy", "m/s", at.vy)
 
@@ -69,7 +72,7 @@ DEFAULTS = {"frozen": False, "analysis": "dynamics", "outputs": None}
 """Keywords of a scene that an extension inherits unless it names them."""
 
 
-class SceneRequests(MovingBodies, Connections):
+class SceneRequests(MovingBodies, Connections, ExpressionOutputs):
     """What a modeller writes of a scene, read into its request, and what follows from it."""
 
     def alternatives(
@@ -215,15 +218,14 @@ class SceneRequests(MovingBodies, Connections):
         """Names of the tracked points."""
         return tuple(name for name, effect in self.effects.items() if effect.kind == TRACKED)
 
-    def _output_points(
-        self, outputs: tuple[str, ...] | None, bodies: Iterable[str]
-    ) -> tuple[str, ...]:
+    def _output_points(self, request: Request, bodies: Iterable[str]) -> tuple[str, ...]:
         """Points that are outputs: all on the bodies that take part, or the named ones."""
-        words, present = outputs or (), set(bodies)
+        asked, present = {*(request.outputs or ())}, set(bodies)
+        asked.update(owner for one in request.expressions for owner in one.owners)
         return tuple(
             name
             for name in self.points
-            if "points" in words or f"point({name})" in words
+            if asked & {name, *(f"{w}{of}" for w in OF_POINTS for of in ("s", f"({name})"))}
             if {body.name for body in self.effects[name].bodies} <= present
         )
 
@@ -234,7 +236,7 @@ class SceneRequests(MovingBodies, Connections):
         if outputs is None:
             return None
         try:
-            given = [outputs] if isinstance(outputs, str) else entries(outputs)
+            given = [outputs] if isinstance(outputs, str | Mapping) else entries(outputs)
         except KindError:
             what = shown(outputs)
             read.note(
@@ -242,35 +244,35 @@ class SceneRequests(MovingBodies, Connections):
             )
             return None
         words = list[str]()
-        for word in given:
+        for word in (one for one in given if not isinstance(one, Mapping)):  # of expressions
             if isinstance(word, str) and word in ("all", DEFAULT):
                 words += OF_ANALYSIS.get(analysis, GROUPS) if word == "all" else (DEFAULT,)
             elif problem := self._output_problem(word):
                 read.note(f"{where}: {problem}")
             else:
                 words.append(str(word))
-        if words == [DEFAULT]:
+        if words == [DEFAULT] or isinstance(outputs, Mapping):
             return None
         order = (DEFAULT, *GROUPS, *sorted({*words} - {DEFAULT, *GROUPS}))
         return tuple(word for word in order if word in words)
 
     def _output_problem(self, given: Any) -> str | None:
         word = given if isinstance(given, str) else shown(given)
-        if word in GROUPS:
+        if word in (*GROUPS, "shaking"):
             return None
         match = ONE.match(word)
         points = self.points
         acting = [*self.joints, *self.drivers, *(n for n in self.effects if n not in points)]
         if match is None:
-            words = [f"{group}({n})" for group in ("reaction", "power", "work") for n in acting]
+            words = [f"{group}({n})" for group in SINGLE[2:6] for n in acting]
             words += [f"{quantity}({n})" for quantity in QUANTITIES for n in self.effects]
-            words += [f"point({n})" for n in points]
+            words += [f"{word}({n})" for word in OF_POINTS for n in points]
             return f"no output {shown(given)}; {nearest(word, ('all', DEFAULT, *GROUPS, *words))}"
         group, name = match.groups()
-        if group == "point" and name not in points:
+        if group in OF_POINTS and name not in points:
             hint = nearest(name, points) if points else "declare it with model.track(...)."
             return f"no output '{word}', as there is no tracked point '{name}'; {hint}"
-        if group != "point" and name not in acting:
+        if group not in OF_POINTS and name not in acting:
             return f"no output '{word}', as there is no '{name}'; {nearest(name, acting)}"
         return None
 
@@ -323,6 +325,7 @@ class SceneRequests(MovingBodies, Connections):
             frozen=read.flag(chosen["frozen"], f"{where}: frozen"),
             analysis=read.choice(chosen["analysis"], ANALYSES, f"{where}, analysis"),
             outputs=self._read_outputs(read, where, chosen["outputs"], chosen["analysis"]),
+            expressions=tuple(self._read_expressions(read, where, chosen["outputs"])),
             until=self._read_until(read, where, words.get("until")),
         )
         emptied = {k for k in ("start", "guess", "parameters", "until") if words.get(k) == {}}

@@ -10,7 +10,7 @@ from typing import Any, cast
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint
 from codegen.declare.returned_values import memoize_methods, own_coordinates, place_near
-from codegen.declare.scene import Analysis, Owner, Request, Scene, name_of
+from codegen.declare.scene import Analysis, Owner, Request, Scene, name_of, written
 from codegen.declare.state import WatchedCondition
 from codegen.declare.symbols import Coordinate, dotted
 from codegen.declare.value_reader import NamedValues, Names, Reader, Values
@@ -18,9 +18,9 @@ from codegen.errors import ModelError
 from codegen.model.bodies import Form
 from codegen.model.connections import MOST
 from codegen.model.scene_requests import NONE, ONE, SceneRequests
-from codegen.readers.values import KindError, name_problem, nearest, plain_number, shown
+from codegen.readers.values import name_problem, nearest, shown
 
-UNCHANGED = ("parameters", "until", "frozen", "analysis", "unknown")
+UNCHANGED = ("parameters", "expressions", "until", "frozen", "analysis", "unknown")
 """Fields that a scene takes from its request as they are."""
 
 
@@ -95,6 +95,9 @@ class Scenes(SceneRequests):
             ``deflection``, ``gap``, ``penetration`` and ``potential`` in the same way;
             ``"point(tip)"`` of a tracked point; ``"work(gas)"``, which a simulation integrates.
             ``"forces"`` and other plurals name those of all elements, and ``"all"`` everything.
+            More are ``"acceleration(tip)"``, ``"global_reaction(A)"``, and ``"shaking"``, the force
+            and moment on the ground. A mapping, alone or in a list, has expressions in SI units, or
+            pairs ``(expression, unit)``: ``{"load": abs(model.series("A.fx")) / 1000}``.
         """
         base = self.scenes.get(str(name))
         words = (effects, drivers, extends, without, couplers, fidelity, start, guess, parameters)
@@ -206,7 +209,10 @@ class Scenes(SceneRequests):
         acting |= {*self.joints} - {*scratch.inactive_joints, *merged.without}
         known = {*self.elements} - acting
         fewer = without_values_of(merged, known, {n for n, _ in (*mine.start, *mine.guess)})
-        return fewer if mine.outputs is None else replace(fewer, outputs=merged.outputs)
+        if mine.outputs is not None or mine.expressions:
+            return replace(fewer, outputs=merged.outputs)
+        needed = ((one, one.owners & known - {*self.joints}) for one in merged.expressions)
+        return replace(fewer, expressions=tuple(one for one, lost in needed if not lost))
 
     def _compose(self, read: Reader, name: str, request: Request, **about: Any) -> Scene:
         """Resolve a request to its scene."""
@@ -221,7 +227,7 @@ class Scenes(SceneRequests):
         absent += tuple(n for n in self.connections if n not in connected)
         idle = {e for e, word in how.items() if word == NONE}
         present = [b for b in self.bodies if b not in absent]
-        acting = {*named, *included, *self._output_points(request.outputs, present)}
+        acting = {*named, *included, *self._output_points(request, present)}
         gone = {n for n in self.connections if n not in connected}
         acting -= idle | {*request.without} - {*self.joints}
         rubbing = self._rubbing_in(acting, gone, how)
@@ -310,11 +316,11 @@ class Scenes(SceneRequests):
         merged = self._remove_elements(merged, tuple(removed))
         expression = scene.expression if scene.root else f"{self.name}.scene({scene.name!r})"
         if removed:
-            expression += f".without({', '.join(map(_written, removed))})"
+            expression += f".without({', '.join(map(written, removed))})"
         if added or changes or fidelity:
-            parts = [*map(_written, added)]
+            parts = [*map(written, added)]
             words = {"fidelity": fidelity} | changes
-            parts += [f"{k}={_written(v)}" for k, v in words.items() if v is not None]
+            parts += [f"{k}={written(v)}" for k, v in words.items() if v is not None]
             expression += f".with_({', '.join(parts)})"
         name = self._variation_name(root, merged)
         variation = self._compose(read, name, merged, expression=expression, root=root)
@@ -362,7 +368,8 @@ class Scenes(SceneRequests):
         # the root's request with the same elements, against which other changes are told apart
         names = ("effects", "drivers", "without", "fidelity")
         same = replace(before, **{key: getattr(request, key) for key in names})
-        keys, inherited = CHANGES[1:], self._drop_unused(same, Request())
+        keys = CHANGES[1:] + ("expressions",) * bool(request.expressions or before.expressions)
+        inherited = self._drop_unused(same, Request())
         rest = [getattr(request, key) for key in keys]
         if rest != [getattr(inherited, key) for key in keys]:
             name += f"_{_hash(rest)}"
@@ -382,19 +389,3 @@ CHANGES = ("couplers", "start", "guess", "parameters", "frozen", "analysis", "ou
 
 def _hash(value: object) -> str:
     return hashlib.sha256(repr(value).encode()).hexdigest()[:8]
-
-
-def _written(value: Any) -> str:
-    """A keyword's value in the comment that says how a scene was varied: names and numbers."""
-    if value is None or isinstance(value, bool):
-        return str(value)
-    if isinstance(value, str) or isinstance(getattr(value, "name", None), str):
-        return repr(name_of(value))
-    if isinstance(value, Mapping):
-        return f"{{{', '.join(f'{_written(k)}: {_written(v)}' for k, v in value.items())}}}"
-    if isinstance(value, tuple | list):
-        return f"[{', '.join(map(_written, value))}]"
-    try:
-        return repr(plain_number(value))
-    except KindError:
-        return shown(value)

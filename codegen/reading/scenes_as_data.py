@@ -93,6 +93,9 @@ def data_of_scene(scene: Scene) -> dict[str, Any]:
             f"scene '{scene.name}' was varied and not declared; declare it by model.scene(), and "
             "give that."
         )
+    if request.expressions:
+        name = f"scene '{scene.name}': its output '{request.expressions[0].name}'"
+        raise SceneError(f"{name} is an expression, which no case has; declare it in a model file.")
     if request.until:
         raise SceneError(
             f"scene '{scene.name}': its conditions of until= are expressions; write them as texts "

@@ -135,6 +135,8 @@ class Kernels:
         Each row of `description.reactions`, N or N m, of those that no mode decides.
     switched_reactions(t, q, v, p, modes, lam, out)
         The others, into the same array; between modes they mix as a and λ do.
+    derived_outputs(t, q, v, a, p, reaction)
+        The rows that follow from accelerations and from the other rows, into the same array.
     switching(t, q, v, p, g)
         Switching functions, (s,): a condition holds where g > 0.
     switching_rates(t, q, v, a, p, rate)
@@ -194,6 +196,7 @@ class Kernels:
     profiles: Kernel = _kernel("profiles", "t p out", _no_profile)
     contact_scale: Kernel = _kernel("contact_scale", "p out", _skip_2)
     switched_reactions: Kernel = _kernel("switched_reactions", "t q v p modes lam out", _skip_7)
+    derived_outputs: Kernel = _kernel("derived_outputs", "t q v a p reaction", _skip_6)
     accelerations_tangent: Kernel = _kernel(
         "accelerations_tangent", "t q v p modes dq dv da", _skip_8
     )
@@ -206,12 +209,19 @@ class Kernels:
     watched: Kernel = _kernel("watched", "t q v p modes out", _no_samples)
 
     def table(self) -> Integers:
-        """Addresses in the order of the fields, with which every function table begins."""
-        return addresses(getattr(self, name) for name in KERNELS)
+        """Addresses in the order of the fields, with which every function table begins.
+
+        That of `derived_outputs` is 0 where the scene has none.
+        """
+        found = addresses(getattr(self, name) for name in KERNELS)
+        found[DERIVED] *= self.derived_outputs is not find_stand_in("derived_outputs")
+        return found
 
 
 KERNELS = tuple(declared.name for declared in fields(Kernels))
 """Names of the kernels, in the order of their slots in every function table."""
+
+DERIVED = KERNELS.index("derived_outputs")
 
 TYPES = {name: types.FunctionType(SIGNATURES[name]) for name in KERNELS}
 """Kernel → its type as an argument of compiled code."""
@@ -241,6 +251,7 @@ switching_rates_of = _fetcher("switching_rates")
 peak_arguments_of = _fetcher("peak_arguments")
 gap_accelerations_of = _fetcher("gap_accelerations")
 switched_reactions_of = _fetcher("switched_reactions")
+derived_outputs_of = _fetcher("derived_outputs")
 accelerations_tangent_of = _fetcher("accelerations_tangent")
 correction_tangent_of = _fetcher("correction_tangent")
 dead_centres_of = _fetcher("dead_centres")

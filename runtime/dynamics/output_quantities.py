@@ -67,6 +67,8 @@ def evaluate_samples(
         s.residual[k, 1] = largest_magnitude(phi)
         abi.reactions_of(kernels)(t, q, v, p, lam, s.reaction[k])
         abi.switched_reactions_of(kernels)(t, q, v, p, mode, lam, s.reaction[k])
+        if kernels[abi.DERIVED] != 0:
+            abi.derived_outputs_of(kernels)(t, q, v, a, p, s.reaction[k])
         abi.powers_of(kernels)(t, q, v, p, mode, lam, s.power[k])
         s.energy[k, 0] = abi.kinetic_energy_of(kernels)(q, v, p)
         s.energy[k, 1] = abi.potential_of(kernels)(t, q, p, mode)
@@ -290,6 +292,8 @@ def mix_rows(
         mix_reactions(context, t, q, v, s.lam[row])
         for i in range(len(reaction)):
             s.reaction[row, i] = reaction[i]
+        if start[abi.DERIVED] != 0:
+            abi.derived_outputs_of(start)(t, q, v, s.a[row], p, s.reaction[row])
         evaluate_powers(t, q, v, p, modes, base_lam, base)
         for i in range(len(base)):
             s.power[row, i] = base[i]

@@ -25,6 +25,11 @@ QUANTITIES = (
 ENERGIES = ("kinetic", "potential", "total")
 _EXERTED = ("force", "torque", "potential", "power", "work")  # of masses or forces
 _BY_UNIT = {"N": "force", "N m": "torque"}
+_DERIVED = {
+    **dict.fromkeys(("ax", "ay"), "acceleration"),
+    **dict.fromkeys(("global_fx", "global_fy"), "global_reaction"),
+}
+"""Component of a point or joint → the output that has it."""
 _NAMED = {
     **dict.fromkeys("qva", "coordinate"), "y": "state", "point": "tracked point",
     "energy": "energy", "mode": "condition", "share": "condition",
@@ -45,9 +50,9 @@ class Series(NamedTuple):
 
     name: str  # its own
     # "coordinate", "velocity", "acceleration", "state", "rate of state", "reaction", "effect",
-    # "point", "energy", "power", "nonconservative power", or "work", which results of simulations
-    # alone have; "bookkeeping": the integral of a state, the rate of a sampled value; a "residual";
-    # or the "mode" or "share" of a condition
+    # "point", "expression", "energy", "power", "nonconservative power", or "work", which results of
+    # simulations alone have; "bookkeeping": the integral of a state, the rate of a sampled value; a
+    # "residual"; or the "mode" or "share" of a condition
     kind: str
     array: str  # field of `Samples`, or "works"
     column: int  # of the array, (k, …); of a work that of its power; -1: the sum of all columns
@@ -115,7 +120,8 @@ class SeriesTable:
         text = f"{self.title}: {self.unknown(name)}"
         owner, _, part = name.partition(".")
         for output in ("point", "reaction"):
-            if isinstance(refusal := self._refusal(output, owner, part), UnnamedOutputError):
+            refusal = self._refusal(output, owner, part)
+            if isinstance(refusal, UnnamedOutputError) or owner == "ground":
                 raise refusal
         raise (UnnamedOutputError if owner in self._quiet else UnknownNameError)(text)
 
@@ -163,6 +169,10 @@ class SeriesTable:
             "point": [row.name for row in about.left_out if row.kind == TRACKED],
         }  # fmt: skip
         calls = [call for call in self._by_call if call[:2] == (word, name)]
+        if component in _DERIVED and calls:
+            return UnnamedOutputError(about.suggest_output(f"{_DERIVED[component]}({name})"))
+        if name == "ground" and about.has_masses and not calls:
+            return InputError(about.suggest_output("shaking"))
         if name in able.get(output, ()) and not (calls and component not in ("", "whole")):
             written = output if word == "energy" else f"{output}({name})"
             exerted = word in _EXERTED and about.analysis == "kinematics"
@@ -245,7 +255,9 @@ def _exerted(description: "Description") -> Found:
         reaction, own = ("reaction", of, row.component), [(quantity, of, part)]
         if count[quantity, of] == 1:  # the only component is the whole
             own.insert(0, (quantity, of, ""))
-        if of in tracked and row.unit in ("m", "m/s"):  # a joint may bear its name
+        if not row.component:
+            kind, calls = "expression", []
+        elif of in tracked and row.unit in ("m", "m/s", "m/s^2"):  # a joint may bear its name
             kind, part, calls = "point", row.component, [("point", of, row.component)]
         elif of in effects - tracked:
             kind, calls = "effect", [*own, reaction]

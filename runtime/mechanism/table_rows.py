@@ -218,7 +218,7 @@ class RigidContact(NamedTuple):
 
 
 class ReactionRow(NamedTuple):
-    """One component of what a joint or driver transmits."""
+    """One component of what a joint or driver transmits; an expression has no components."""
 
     element: str
     component: str
@@ -226,8 +226,8 @@ class ReactionRow(NamedTuple):
 
     @property
     def name(self) -> str:
-        """`element.component`."""
-        return f"{self.element}.{self.component}"
+        """`element.component`, or the name of an expression."""
+        return f"{self.element}.{self.component}".removesuffix(".")
 
 
 class TimeFunction(NamedTuple):

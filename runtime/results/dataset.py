@@ -100,9 +100,13 @@ def dataset(result: Result) -> "xr.Dataset":
     if points := description.tracked:
         found.label("place", points)
         found.label("axis", "xy")
-        for name, axes in ("point", ("x", "y")), ("point_velocity", ("vx", "vy")):
-            rows = [series.call("point", of, axis) for of in points for axis in axes]
-            found.add(name, "place axis", rows, shape=(len(points), 2))
+        for name, letter in ("point", ""), ("point_velocity", "v"), ("point_acceleration", "a"):
+            rows = [series.get(f"{of}.{letter}{axis}") for of in points for axis in "xy"]
+            if any(rows):
+                found.add(name, "place axis", rows, shape=(len(points), 2))
+    if outputs := series.of_kind("expression"):
+        found.label("output", _names(outputs), output_unit=[row.unit for row in outputs])
+        found.add("expression", "output", outputs, "expressions, in output_unit", unit="")
     if modes := series.of_kind("mode"):
         kinds = [row.kind for row in description.switches]
         found.label("switch", _names(modes), switch_kind=kinds)

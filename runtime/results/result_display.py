@@ -18,13 +18,15 @@ def text_of(result: "Result") -> str:
         units = (f"{row.name} ({row.unit or '1'})" for row in states)
         lines.append(f"  states       {listed(units)}")
     effects = result.description.effects.names
-    parts = dict.fromkeys(row.element for row in result.description.reactions)
+    parts = dict.fromkeys(row.element for row in result.description.reactions if row.component)
     if joints := [name for name in parts if name not in effects]:
         lines.append(f"  reactions    {listed(joints)} (N, N m)")
     if acting := [name for name in effects if name not in result.description.tracked]:
         lines.append(f"  effects      {listed(acting)}")
     if points := result.description.tracked:
         lines.append(f"  points       {listed(points)} (m)")
+    if outputs := result.description.series.of_kind("expression"):
+        lines.append(f"  outputs      {listed(f'{row.name} ({row.unit})' for row in outputs)}")
     if result.events:
         lines.append(f"  events       {len(result.events)}, in .events")
     if changes := result.reconnections:

@@ -66,7 +66,7 @@ class TimeSeries:
     def point(self, name: str, component: str = "", unit: str = "") -> FloatArray:
         """A tracked point over time, in global axes: "x" or "y", in m, or "vx" or "vy", in m/s.
 
-        Without a component it is x and y, (k, 2).
+        "ax" and "ay" are its acceleration, m/s². Without a component it is x and y, (k, 2).
         """
         if component:
             return self._called("point", name, component, unit)
@@ -76,7 +76,9 @@ class TimeSeries:
         """Force or torque that the first body of a joint exerts on the second, in joint axes.
 
         For a driver it is the force or torque on the body that it drives. Components are such as
-        "fx", "fy" and "torque", in N or N m.
+        "fx", "fy" and "torque", in N or N m; "global_fx" and "global_fy" are the force in global
+        axes. That of "ground" is what the machine exerts on it: the force and its moment about the
+        origin, in global axes.
         """
         return self._called("reaction", joint, component, unit)
 

@@ -126,7 +126,8 @@ _SECTIONS = {
     "coordinate": ("Bodies", "position"), "velocity": ("Bodies", "velocity"),
     "acceleration": ("Bodies", "acceleration"), "state": ("States", "state"),
     "reaction": ("Joints", "reaction"), "effect": ("Effects", "effect"),
-    "point": ("Points", "path"), "power": ("Energy", "power"), "energy": ("Energy", "energy"),
+    "point": ("Points", "path"), "expression": ("Outputs", "expression"),
+    "power": ("Energy", "power"), "energy": ("Energy", "energy"),
 }  # fmt: skip
 """Kind of a series → where a panel offers it, and under which word."""
 _ANGULAR = {
@@ -240,7 +241,7 @@ def _rows(result: "Result") -> Iterator[Series]:
     table = result.description.series
     motion = table.of_kind("coordinate", "velocity", "acceleration")
     yield from sorted(motion, key=lambda row: row.column)
-    for kinds in (("state",), ("reaction", "effect", "point"), ("power",), ("energy",)):
+    for kinds in ("state",), ("reaction", "effect", "point", "expression"), ("power",), ("energy",):
         yield from table.of_kind(*kinds)
 
 
