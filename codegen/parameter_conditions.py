@@ -101,10 +101,7 @@ def sample_profile(at: Callable[[Array], Array]) -> Array:
 
 
 def _vectors(rows: Array) -> tuple[float, Vectors]:
-    """The size of a curve, m, and places, derivatives, second ones in parts of it, (3, k).
-
-    So no product overflows, however large it is.
-    """
+    """The size of a curve, m, and places, derivatives, second ones in parts of it, (3, k)."""
     size = float(np.abs(rows[:, 1:3]).max()) or 1.0
     points = rows[:, 1:] / size
     return size, (points[:, ::2] + 1j * points[:, 1::2]).T

@@ -105,10 +105,7 @@ def _fresh_module(model: Path, generated: Path, scene: "str | Scene | None") -> 
 
 
 def _build(model: "Path | Model", scene: "str | Scene | None", generated: Path) -> tuple[Path, str]:
-    """Have the code generator write the module; scene None is the first, of a file it builds all.
-
-    Whoever loads a file again without a scene finds them by their record.
-    """
+    """Have the code generator write the module; of a file without a scene it builds all."""
     with collection_paused():
         from codegen import build
 

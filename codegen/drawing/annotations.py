@@ -114,10 +114,7 @@ def _exerted(
 
 
 def _is_nearest(picture: Picture, symbol: Symbol, own: ContactSide) -> Any:
-    """1 where no other side with this force and body has a smaller gap, else 0.
-
-    A rigid stop has one force for both of its limits, of which the nearer exerts it.
-    """
+    """1 where no other side with this force and body, as of a stop, has a smaller gap, else 0."""
     rivals = [
         side for one, side in picture.having(ContactSide)
         if (one.element, side.force, side.body) == (symbol.element, own.force, own.body)

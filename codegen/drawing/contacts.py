@@ -75,11 +75,7 @@ def nearest_side(sides: Sequence[ContactSide]) -> Any:
 
 
 def _reach_of_outlines(picture: Picture, side: ContactSide, line: ContactLine) -> Any:
-    """How far below the foot, against the normal, the body's outlines end on the line, m.
-
-    A corner or a circle ends at the outline's distance from its centre. Where no outline meets the
-    line, the body is taken for a point at the centre of curvature.
-    """
+    """How far below the foot, against the normal, the body's outlines end on the line, m."""
     polygons = picture.bodies[side.body].outlines
     if line.is_round:
         centers = np.atleast_1d(picture.in_body(line.center, side.body))

@@ -89,11 +89,7 @@ def guide_of(picture: Picture, shape: Slide | Slot) -> Guide:
 def _travel(
     picture: Picture, place: Place, body: int, start: complex, along: complex, room: float
 ) -> FloatArray:
-    """Least and greatest position of a place along a line of another body, from `start`, (2,), m.
-
-    It is wider by some room, in typical lengths; without a motion by twice that, and no less than
-    `STILL`.
-    """
+    """Ends from `start` of a place's travel along a line of a body, and some room, (2,), m."""
     poses = picture.poses[None] if picture.motion is None else picture.motion
     s = dot(along, in_frame(picture.path(place), poses[:, body]) - start)
     more = (max(STILL, 2 * room) if picture.motion is None else room) * picture.size

@@ -212,10 +212,7 @@ class Writer:
                          "edgecolor": "none", "boxstyle": "round,pad=0.08"})  # fmt: skip
 
     def _spot(self, label: Label, half: complex) -> tuple[complex, complex]:
-        """The centre of a text of this half width and height, and beside which place it stands.
-
-        It may do so at each distance from each place, in each direction.
-        """
+        """The centre of a text of this half width and height, and the place that it stands by."""
         distances, order = DISTANCES[:, None], np.arange(len(label.places))[:, None, None]
         shifts = (label.room + self.point * (2.0 + distances)) * WAYS / abs(WAYS)
         centers = label.places[:, None, None] + shifts + half.real * WAYS.real

@@ -199,10 +199,7 @@ def _line(picture: Picture, stroke: Stroke) -> Points:
 
 
 def _view(frames: Sequence[Picture], artist: PictureArtist) -> tuple[FloatArray, FloatArray]:
-    """Least and greatest x and y, m, of all positions, but for what leaves the machine far behind.
-
-    A ball that is thrown leaves the view, which is wider than the machine by `FARTHEST` at most.
-    """
+    """Least and greatest x and y of all positions, m, but for what flies far away."""
     chosen = np.unique(np.linspace(0, len(frames) - 1, SAMPLED).astype(int))
     lows, highs = zip(*(artist.bounds(frames[k]) for k in chosen), strict=True)
     reach = FARTHEST * frames[0].size

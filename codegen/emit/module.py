@@ -55,12 +55,7 @@ def kernel_texts(program: Program, arguments: Arguments, unroll: Unroll) -> Kern
 def _text_in_loops(
     program: Program, kernel: Kernel, arguments: Arguments, size: int | None
 ) -> KernelText | RolledKernelText:
-    """The text of a kernel in loops, or what else is shorter for its `size`.
-
-    A kernel without a period is written out where it is short, and in batches otherwise: those take
-    a few hundred lines, whatever the machine, and their time is that of straight code where this is
-    long.
-    """
+    """The text of a kernel in loops, in batches, or written out where that is as short."""
     slots = arguments.slots(program)
     constants = {k: slots[k] for k in program.hoisted(kernel)}
     rolled = Rerolling(program, kernel, constants).rolled()

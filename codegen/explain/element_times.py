@@ -243,10 +243,7 @@ def _stage_kernel(equations: Equations, program: Program, path: Path) -> Timed:
 
 
 def _simulate(model: Path, scene: Scene, t_end: float) -> tuple[RunCosts, Counter[str], Any]:
-    """Simulate a declared scene `MEASURED` times; InputError if it does not reach its end.
-
-    Returns its costs, effect → number of its events, and the states along it: t, q, v.
-    """
+    """Costs of a scene's run, effect → events, and the states t, q, v; InputError if it fails."""
     from runtime import load
 
     if scene.analysis != "dynamics":

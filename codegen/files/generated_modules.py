@@ -128,10 +128,7 @@ def import_generated(path: Path, text: str | None = None) -> ModuleType:
 
 
 def _execute(name: str, path: Path, text: str) -> ModuleType:
-    """Execute a text that was verified: no byte code, and nothing else that lies in its folder.
-
-    The module names no file: whatever reloads modules whose files have changed passes it by.
-    """
+    """Execute a verified text as a module that names no file: nothing reloads it by its date."""
     module = sys.modules[name] = ModuleType(name)
     vars(module)["__loader__"] = source = _Text(str(path), text)
     try:

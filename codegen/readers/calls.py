@@ -52,10 +52,7 @@ def _guarded(
     function: Callable[..., Any], title: Callable[[tuple[Any, ...], Mapping[str, Any]], str],
     error: type[InputError], is_ours: bool,
 ) -> Callable[..., Any]:  # fmt: skip
-    """The callable, which says what it takes where its arguments do not fit its signature.
-
-    Where it `is_ours` to answer, all else that fails in it is told by the same title.
-    """
+    """The callable, which says what it takes and, where it `is_ours`, what else fails in it."""
     about = signature(function)
     own = int(next(iter(about.parameters), "") == "self")  # arguments before those of the caller
 

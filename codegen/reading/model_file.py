@@ -146,11 +146,7 @@ def _execute(path: Path) -> tuple[dict[str, object], list[Path], Watch]:
 
 
 class _Siblings:
-    """Finder of the modules beside a model file: before installed ones, not before those in use.
-
-    A model file or its neighbour may bear the name of a module of the standard library, or of the
-    compiler's own; these must not import it in place of what they need.
-    """
+    """Finder of the modules beside a model file: before installed ones, not before those in use."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = str(folder)
@@ -166,20 +162,14 @@ class _Siblings:
 
 @contextlib.contextmanager
 def _fresh_imports(folder: Path) -> Iterator[None]:
-    """Import local files as they are now, those of `folder` first, and forget them afterwards.
-
-    Modules that the program has imported before stay its own: their files may have changed since.
-    The working folder and the search path are as before when the model file has ended. Byte code is
-    not kept, as its date is in seconds, nor are modules: another folder may hold another file of
-    the same name, and this one may be edited before the next build.
-    """
+    """Import local files as they are now, those of `folder` first, and forget them afterwards."""
     held, writes = _modules_of_user(), sys.dont_write_bytecode
     for name in held:
         del sys.modules[name]
     search, here, siblings = sys.path[:], Path.cwd(), _Siblings(folder)
     sys.meta_path.insert(0, siblings)
     sys.path.append(str(folder))
-    sys.dont_write_bytecode = True
+    sys.dont_write_bytecode = True  # its date is in seconds
     importlib.invalidate_caches()
     try:
         yield

@@ -99,10 +99,7 @@ class ExpressionTrees:
         return Tree(tuple(places), tuple(leaves)), tuple(shape)
 
     def _sort(self, number: int) -> tuple[str, bool]:
-        """Where a leaf stands, and whether it is a truth value: alike in all trees of a kind.
-
-        In a kind a parameter may stand for a value of the workspace.
-        """
+        """Where a leaf stands, and whether it is a truth value: alike in all trees of a kind."""
         sequence, home = self._sequence, self._sequence.home(number)
         return home if home not in ("", "p") else WORK, sequence.is_logical(number)
 

@@ -146,10 +146,7 @@ class Rerolling:
         ]
 
     def _places(self) -> tuple[Slots, Slots]:
-        """Of each value the kind of its place, and its address, which are as its slot will be.
-
-        Those of a block stand at equal distances from turn to turn, as their operations do.
-        """
+        """Of each value the kind of its place, and its address, which are as its slot will be."""
         seq, homes = self.sequence, self.sequence.home_of
         begins = np.array([s.start for s in self.blocks])
         kinds = np.where(homes > 0, -homes, np.searchsorted(begins, seq.place, side="right"))
@@ -293,10 +290,7 @@ def with_affine_accesses(s: Stretch, columns: Sequence[tuple[Slots, Slots]]) -> 
 
 
 def _bends(kinds: Slots, addresses: Slots, lag: int) -> npt.NDArray[np.bool_]:
-    """Where each column leaves the line on which it is in its middle, shape (columns, turns - lag).
-
-    Turns are compared with those `lag` later, so that there are as many lines as that.
-    """
+    """Where each column leaves the line of its middle, in `lag` lines, (columns, turns - lag)."""
     steps = addresses[:, lag:] - addresses[:, :-lag]
     bends: npt.NDArray[np.bool_] = kinds[:, lag:] != kinds[:, :-lag]
     middle = steps.shape[1] // 2

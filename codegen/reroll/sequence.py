@@ -277,10 +277,7 @@ def _words(codes: Slots, length: int) -> npt.NDArray[np.uint64]:
 
 
 def _best_phase(crossings: Slots, start: int, period: int, length: int) -> tuple[int, int]:
-    """Where the turns of a repeat begin, and how many there are.
-
-    Each later beginning than the first may cost a turn at the end, which is then written out.
-    """
+    """Where the turns of a repeat begin, and how many there are."""
     middle = start + (length // period // 2) * period
     room = length % period
     phases = range(room + 1) if length // period < 3 else range(min(period, length - 2 * period))

@@ -80,13 +80,10 @@ analyses = one_of("simulate", "kinematics", "inverse-dynamics", "equilibrium")
 
 
 def _model(ctx: typer.Context) -> ModelText:
-    """The text of the model on the line, or of the only one in the folder; empty without any.
-
-    Words that stand before an option without its value are not parsed: they are in `args`.
-    """
+    """The text of the model on the line, or of the only one in the folder; empty without any."""
     given = ctx.params.get("model") or ()
     words = [str(w) for w in (*((given,) if isinstance(given, str) else given), *ctx.args) if w]
-    local = model_names(Path.cwd())
+    local = model_names(Path.cwd())  # in args: what stands before an option without its value
     words += [f"{local[0]}.py"] if len(local) == 1 else []
     for word in words:
         with suppress(ModelFileError):

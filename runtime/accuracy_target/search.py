@@ -117,11 +117,7 @@ def simulate_to(
 def _conflicts(
     mechanism: Mechanism, accuracy: float | None, names: Sequence[str], **tolerances: Any
 ) -> Iterator[str]:
-    """Why there is no such target: its value, tolerances beside it, names that are no series.
-
-    Of joints that come and go a result says the last, since a scene that follows has series of its
-    own.
-    """
+    """Why there is no such target: its value, tolerances beside it, names that are no series."""
     description = mechanism.description
     if accuracy is None:
         yield f"{mechanism.title}: quantities without accuracy: give the error too, accuracy=1e-6."
@@ -136,6 +132,7 @@ def _conflicts(
                 f"{mechanism.title}: accuracy = {accuracy:g} and {name} = {value:g} are both "
                 "given; an accuracy chooses the tolerances. Leave one of them out."
             )
+    # Where joints come and go, a scene that follows has series of its own: the result says.
     for name in names if not any(row.reconnects for row in description.watched) else ():
         try:
             description.series.find(name)
@@ -217,10 +214,7 @@ class _Search:
         return result
 
     def _interrupted(self, began: float) -> Result:
-        """The run whose error is known best; before two were compared, the one that went farthest.
-
-        Works, which take one more run, are left out.
-        """
+        """The run whose error is known best; before two were compared, that which went farthest."""
         pair = self.pair
         run = pair.by_merit[0] if pair else max(self.runs, key=lambda run: len(run.path.t))
         taken = formulate(self.ready, run.formulation, run.options.method, self.correction)
@@ -289,10 +283,7 @@ class _Search:
         return _SAMPLED * (self.ready.t_end - self.ready.begin.t)
 
     def _is_unseen(self, pair: Pair) -> bool:
-        """Whether both runs may have stepped over the same pulse, as motions without error show.
-
-        Runs with many steps are believed where another quantity differs: they met no pulse there.
-        """
+        """Whether runs that agree may both have missed a pulse: without error, or in few steps."""
         steps = pair.loose.path.statistics.steps
         return pair.agrees and (pair.difference.largest == 0.0 or steps * _SAMPLED < 1.0)
 
@@ -321,10 +312,7 @@ class _Search:
         return max(following, ROUNDING if rtol > ROUNDING else _tightest(pair))
 
     def _run(self, choice: Choice, rtol: float) -> Run:
-        """A run; the longest step, where it bounds the error, decreases as tolerances do.
-
-        Otherwise all runs would have the same steps, and their difference not show their error.
-        """
+        """A run, whose longest step decreases with the tolerance: else all would step alike."""
         longest = self.options.h_max
         if choice.method in REGISTER:  # the run refuses an unknown name
             function_table(choice.method)  # loaded, or compiled, before time is measured
@@ -342,11 +330,7 @@ class _Search:
         return made
 
     def _made(self, choice: Choice, options: Options) -> Run:
-        """A run with these settings, and the values of the quantities in it.
-
-        Where joints come and go, each part returns onto the constraints by the correction asked
-        for, or as its own constraints ask for.
-        """
+        """A run with these settings, and the values of the quantities in it."""
         ready, quantities, result, wholes = self.ready, self.quantities, None, np.zeros(1)
         watched = ready.mechanism.description.watched
         if any(row.reconnects for row in watched):
@@ -379,10 +363,7 @@ def _tightest(pair: Pair) -> float:
 
 
 def _second_ratio(choice: Choice, first: Run) -> float:
-    """rtol of the second run, with this choice, over that of the first.
-
-    A first run whose steps stability limits errs by much more than its tolerance suggests.
-    """
-    if any(method in IMPLICIT for _, method in first.path.methods):
+    """rtol of the second run, with this choice, over that of the first."""
+    if any(method in IMPLICIT for _, method in first.path.methods):  # stability limited its steps
         return _STIFF
     return _CHANGED if choice.method in IMPLICIT else WIDE

@@ -131,10 +131,7 @@ def _files(folder: Path) -> Iterator[Path]:
 
 
 def _extensions(about: dict[str, Any]) -> Iterator[str]:
-    """Codecs and types of data of a node, and of those in consolidated metadata, not in the list.
-
-    A field that is none of the format raises KeyError, TypeError or AttributeError.
-    """
+    """Codecs and types of data that are not in the list, of a node and of those in its metadata."""
     if about["zarr_format"] != 3:
         yield f"format {about['zarr_format']!r}"
     if about["node_type"] == "array":

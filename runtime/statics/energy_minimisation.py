@@ -159,10 +159,7 @@ class StaticEquations:
         return force, equations.potential_gradient(self.t, q, modes)
 
     def _stiffness(self, q: FloatArray, part: Partition) -> tuple[FloatArray, tuple[int, ...]]:
-        """Derivative of the gradient by differences, and the conditions that change there.
-
-        Differences are central, and one-sided at the edge of a mode.
-        """
+        """Slopes of the gradient, one-sided at the edge of a mode, and what changes there."""
         count = len(part.independent)
         matrix, edges = np.zeros((count, count)), set[int]()
         here, modes = self.gradient(q, part), self.equations.rest_modes(self.t, q)

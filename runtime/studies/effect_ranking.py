@@ -356,11 +356,7 @@ class Ranking:
         ), best  # fmt: skip
 
     def _negligible(self, trials: "Sequence[tuple[Variant, Trial]]") -> "list[Variant]":
-        """What the error permits alone, the least first.
-
-        A thing is left out, or else taken in the fidelity that changes the quantity least, if the
-        run then takes less work.
-        """
+        """What the error permits alone, the least first: left out, or in a cheaper fidelity."""
         most, chosen = self.full.costs.work, dict[str, "Variant"]()
         found = sorted(trials, key=lambda one: (one[1].relative, one[0].title))
         for variant, trial in sorted(found, key=lambda one: one[0].word != LEFT_OUT):

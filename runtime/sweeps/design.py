@@ -200,10 +200,7 @@ def _factors_of(points: Any) -> tuple[Factor, ...]:
     """The factors of a dataset: a variable or coordinate each, in the unit that it names.
 
     Variables along one dimension are a list of points. A dataset without data variables, of
-    coordinates along their own dimensions, is the grid of them. The numbers 0, 1, 2, … along a
-    dimension count its points, and are no factor.
-
-    Raises InputError if there are no numbers, or a point is repeated; all problems at once.
+    coordinates along their own dimensions, is the grid of them.
     """
     import pandas as pd
     import xarray as xr

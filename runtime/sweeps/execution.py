@@ -109,10 +109,7 @@ def pickled_job(machine: Machine, request: Request) -> bytes:
 
 @lru_cache(maxsize=1)
 def _load_job(job: bytes) -> tuple[Machine, Request]:
-    """The machine and the request of a job, by the programs and modules of its sweep alone.
-
-    The processor may differ, as that of a cluster's computers may.
-    """
+    """The machine and the request of a job, by the sweep's own programs, on any processor."""
     request, machine, programs = pickle.loads(job)
     changes = [x for x in changed_programs(programs) if not x.startswith(PROCESSOR)]
     if changes:
@@ -338,11 +335,7 @@ def _made_rows(
     pool: Pool, points: Matrix, tasks: Sequence[range], signals: SignalDeferral,
     lost: Counter[range],
 ) -> Iterator[tuple[range, Rows]]:  # fmt: skip
-    """Runs and their rows, as they are made, until all are there or a signal arrives.
-
-    A task whose worker has ended is made again in halves, so that a run at which processes end is
-    soon alone; where it has ended several, it is not made again.
-    """
+    """Runs and their rows, as they are made, until all are there or a signal arrives."""
     waiting, running, killed = deque(tasks), dict[Future[Rows], range](), 0
     while (waiting or running) and not signals.arrived:
         while waiting and len(running) < pool.room and not signals.arrived:
@@ -356,7 +349,7 @@ def _made_rows(
                 killed = 0
             except pool.lost as error:
                 lost[runs] += 1
-                if len(runs) > 1:
+                if len(runs) > 1:  # so that a run at which processes end is soon alone
                     half = len(runs) // 2
                     waiting.extendleft((runs[half:], runs[:half]))
                     continue

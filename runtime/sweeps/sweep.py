@@ -79,11 +79,7 @@ def _over(value: Any) -> Any:
 
 
 def _quantities(value: Any) -> dict[str, str | Function]:
-    """Texts, or texts and functions by the names of their columns.
-
-    A series at the end, ``bob.phi``, has the column ``end:bob.phi``, as one that is kept has its
-    own name.
-    """
+    """Texts, or texts and functions, by columns: that of ``bob.phi`` is ``end:bob.phi``."""
     if isinstance(value, str):
         value = (value,)
     if isinstance(value, list | tuple) and value and all(isinstance(text, str) for text in value):
