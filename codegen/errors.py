@@ -7,6 +7,8 @@ import inspect
 import sys
 import warnings
 from collections.abc import Iterable
+from importlib import import_module
+from typing import Any
 
 FAILURES = (Exception, SystemExit, GeneratorExit)
 """What a user's own object or function may raise; KeyboardInterrupt is the wish to stop."""
@@ -88,6 +90,20 @@ class TableWarning(UserWarning):
 
     def __init__(self, text: str = "") -> None:
         super().__init__(text)
+
+
+def module_of_extra(module: str, extra: str, needs: str, otherwise: str = "") -> Any:
+    """A module that an extra of the package brings; InputError with the command that installs it.
+
+    `needs` begins the sentence, ``"A sweep needs zarr"``, and `otherwise` ends it.
+    """
+    try:
+        return import_module(module)
+    except ImportError as error:
+        raise InputError(
+            f"{needs}, which cannot be imported ({error}). Run pip install 'linkwright[{extra}]', "
+            f"in the checkout pip install '.[{extra}]'{otherwise}."
+        ) from error
 
 
 def note(text: str, kind: type[Warning] = UserWarning) -> None:

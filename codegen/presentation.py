@@ -10,7 +10,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from codegen.errors import InputError
+from codegen.errors import InputError, module_of_extra
 from codegen.files.whole_files import whole_file
 
 if TYPE_CHECKING:
@@ -60,13 +60,8 @@ def in_pyplot(wanted: bool = True) -> Iterator[None]:
 
 def new_figure(purpose: str, width: float, height: float, **options: Any) -> "Figure":
     """An empty figure for a "plot", "picture" or "report", sizes in inches."""
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise InputError(
-            f"A {purpose} needs matplotlib, which is not installed. Run pip install "
-            "'linkwright[plot]', in the checkout pip install '.[plot]'."
-        ) from error
+    module_of_extra("matplotlib.figure", "plot", f"A {purpose} needs matplotlib")
+    from matplotlib.figure import Figure
 
     class NotebookFigure(Figure):
         """A figure that a notebook shows as a picture, once, unless it stands in a window."""

@@ -1,7 +1,6 @@
 """Plane geometry in complex numbers: a point is x + iy in m, a direction has the length 1."""
 
 from collections.abc import Iterator, Sequence
-from importlib import import_module
 from itertools import islice
 from math import atan, ceil, cos, pi, sin
 from typing import Any
@@ -9,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from codegen.errors import InputError
+from codegen.errors import module_of_extra
 
 Corner = tuple[Any, Any]  # (x', y') in m, numbers and expressions of parameters
 FloatArray = npt.NDArray[np.float64]
@@ -178,13 +177,7 @@ def hatching(start: complex, end: complex, side: float, spacing: float) -> list[
 
 def library(name: str) -> Any:
     """A module of the extra `shapes`; InputError where it is not installed."""
-    try:
-        return import_module(name)
-    except ImportError as error:
-        raise InputError(
-            f"Outlines need {name}, which cannot be imported ({error}). "
-            "Run pip install 'linkwright[shapes]', in the checkout pip install '.[shapes]'."
-        ) from error
+    return module_of_extra(name, "shapes", f"Outlines need {name}")
 
 
 def flattened(vertices: tuple[Corner, ...], bulges: tuple[float, ...]) -> tuple[Corner, ...]:

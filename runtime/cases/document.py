@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from codegen.errors import InputError
+from codegen.errors import InputError, module_of_extra
 from codegen.readers.values import finite_float, shown
 
 ENDINGS = (".yaml", ".yml", ".json")
@@ -194,14 +194,8 @@ def text_of(data: dict[str, Any], path: Path) -> str:
 
 def _yaml_module(path: object) -> Any:
     """PyYAML; InputError where it is missing."""
-    try:
-        import yaml
-    except ImportError as error:
-        raise InputError(
-            f"{path}: YAML needs the library PyYAML, which cannot be imported ({error}). Run pip "
-            "install 'linkwright[files]', in the checkout pip install '.[files]', or use .json."
-        ) from error
-    return yaml
+    needs = f"{path}: YAML needs the library PyYAML"
+    return module_of_extra("yaml", "files", needs, ", or use .json")
 
 
 @cache

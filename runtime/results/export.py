@@ -6,13 +6,12 @@ The table of a .csv or .parquet file has one column a series, its unit in bracke
 import re
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from codegen.errors import InputError
+from codegen.errors import InputError, module_of_extra
 from codegen.files.whole_files import require_replaceable, whole_file, whole_folder
 from codegen.object_display import without_rounding
 from codegen.readers.quantities import fitting_units
@@ -65,14 +64,8 @@ def require_libraries(path: Path, doing: str, otherwise: str = "") -> None:
     ending = path.suffix.lower()
     _, libraries, extra = _FORMATS[ending]
     for library in libraries:
-        try:
-            import_module(library)
-        except ImportError as error:
-            raise InputError(
-                f"{path}: {doing} {ending} needs the library {library}, which cannot be "
-                f"imported ({error}). Run pip install 'linkwright[{extra}]', in the checkout "
-                f"pip install '.[{extra}]'{otherwise}."
-            ) from error
+        needs = f"{path}: {doing} {ending} needs the library {library}"
+        module_of_extra(library, extra, needs, otherwise)
 
 
 def save(result: Result, path: Path) -> Path:

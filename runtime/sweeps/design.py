@@ -15,15 +15,13 @@ import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib import import_module
 from inspect import signature
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydantic import BaseModel, PositiveInt
 
-from codegen.errors import InputError
+from codegen.errors import InputError, module_of_extra
 from codegen.object_display import counted
 from codegen.readers.quantities import QUANTITY, UnitError, converted, number_in
 from codegen.readers.values import finite_float, one_line, shown
@@ -179,15 +177,9 @@ def unit_sample(kind: str, dimensions: int, count: int, seed: int) -> Vector:
         return np.asarray(engine(dimensions, **{word: draw}).random(count))
 
 
-def salib(module: str) -> ModuleType:
+def salib(module: str) -> Any:
     """A module of SALib; InputError with the command that installs it."""
-    try:
-        return import_module(f"SALib.{module}")
-    except ImportError as error:
-        raise InputError(
-            "Sensitivity indices need SALib, which is not installed. Run pip install "
-            "'linkwright[sensitivity]', in the checkout pip install '.[sensitivity]'."
-        ) from error
+    return module_of_extra(f"SALib.{module}", "sensitivity", "Sensitivity indices need SALib")
 
 
 def salib_problem(names: Sequence[str]) -> dict[str, Any]:

@@ -31,7 +31,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from codegen.errors import InputError, LinkwrightError, SupersededError
+from codegen.errors import InputError, LinkwrightError, SupersededError, module_of_extra
 from codegen.object_display import counted
 from codegen.termination_signals import SignalDeferral
 from runtime.core.arrays import Integers, Matrix
@@ -247,17 +247,10 @@ class ClusterWorkers(Pool):
     def __init__(self, machine: Machine, request: Request, address: str) -> None:
         super().__init__(machine, request)
         self.job, self.address = pickled_job(machine, request), address
-        try:
-            import distributed
-        except ImportError as error:
-            raise InputError(
-                "A cluster needs Dask, which is not installed. Run pip install "
-                "'linkwright[sweep]', in the checkout pip install '.[sweep]'."
-            ) from error
+        distributed = module_of_extra("distributed", "sweep", "A cluster needs Dask")
         self.lost = distributed.KilledWorker
-        client: Any = distributed.Client  # which has no types
         try:
-            self.client = client(address, timeout=_PATIENCE, set_as_default=False)
+            self.client = distributed.Client(address, timeout=_PATIENCE, set_as_default=False)
         except Exception as error:
             raise InputError(
                 f"No Dask scheduler answers at {address} ({error}). Start one, dask scheduler, and "

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from filelock import FileLock, Timeout
 from pydantic import BaseModel, Field, FiniteFloat, PositiveInt, ValidationError
 
-from codegen.errors import InputError
+from codegen.errors import InputError, module_of_extra
 from codegen.files.whole_files import flush_folder
 from codegen.readers.values import shown
 from runtime.core.arrays import Integers, Matrix
@@ -79,14 +79,7 @@ def name_problems(names: Sequence[str]) -> Iterator[str]:
 
 def require_zarr() -> Any:
     """The module `zarr`; InputError with the command that installs it."""
-    try:
-        import zarr
-    except ImportError as error:
-        raise InputError(
-            "A sweep needs zarr, which is not installed. Run pip install 'linkwright[sweep]', in "
-            "the checkout pip install '.[sweep]'."
-        ) from error
-    return zarr
+    return module_of_extra("zarr", "sweep", "A sweep needs zarr")
 
 
 class Store:
@@ -294,14 +287,11 @@ def store_lock(path: Path) -> Iterator[None]:
     The file of the lock stays: were it removed, two sweeps could lock two files of its name.
     """
     place = path.with_name(f".{path.name}.lock")
-    lock = FileLock(place, timeout=0)
     try:
-        lock.acquire()
+        held = FileLock(place, timeout=0).acquire()
     except Timeout:
         raise InputError(f"Another sweep is writing {path}. Wait until it has ended.") from None
     except OSError as error:
         raise InputError(f"{place} cannot be written: {error.strerror or error}.") from error
-    try:
+    with held:
         yield
-    finally:
-        lock.release()
