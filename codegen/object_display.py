@@ -42,6 +42,7 @@ def html_table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
 
 
 def counted(number: int, noun: str) -> str:
-    """The number with its noun, "1 body" or "3 bodies"."""
-    plural = f"{noun[:-1]}ies" if noun.endswith("y") else f"{noun}s"
-    return f"{number} {noun if number == 1 else plural}"
+    """The number with its noun, "1 body" or "3 bodies", "2 degrees of freedom"."""
+    head, of, rest = noun.partition(" of ")
+    plural = f"{head[:-1]}ies" if head.endswith("y") else f"{head}s"
+    return f"{number} {head if number == 1 else plural}{of}{rest}"

@@ -5,40 +5,24 @@ from typing import NamedTuple
 
 import numpy as np
 
+from codegen.drawing import shapes
 from codegen.drawing.contacts import contact_line
 from codegen.drawing.picture import BAR, BLOCK, CHEEK, SAME, Picture
 from codegen.drawing.plane_geometry import FloatArray, Points, crossings, dot, in_frame, unit
-from codegen.drawing.shapes import (
-    Bearing,
-    Belt,
-    ContactSide,
-    Fixing,
-    Force,
-    Mark,
-    OppositeForce,
-    Pin,
-    Place,
-    Profile,
-    Rack,
-    Rod,
-    Shape,
-    Slide,
-    Slot,
-    Spring,
-    Trace,
-    Wheel,
-    places,
-)  # fmt: skip
+from codegen.drawing.shapes import ContactSide, Place, Rack, Wheel, places
 
 STILL = 0.18  # layout: room of a guide or slot without a motion on both sides, typical lengths
-_HOLDING = (Pin, Rod, Fixing, Bearing, Spring, Mark, Force, Trace)
+_HOLDING = (
+    shapes.Pin, shapes.Rod, shapes.Fixing, shapes.Bearing, shapes.Spring, shapes.Mark,
+    shapes.Force, shapes.Trace,
+)  # fmt: skip
 
 
-def circles_of(shape: Shape) -> Iterator[tuple[Place, float]]:
+def circles_of(shape: shapes.Shape) -> Iterator[tuple[Place, float]]:
     """Centres and radii of the wheels of a shape, m."""
     if isinstance(shape, Wheel):
         yield shape.center, abs(shape.radius)
-    if isinstance(shape, Belt):
+    if isinstance(shape, shapes.Belt):
         yield shape.i, abs(shape.radius_i)
         yield shape.j, abs(shape.radius_j)
 
@@ -51,7 +35,7 @@ def held_places(picture: Picture, body: int) -> Points:
     found = [
         place.point
         for _, shape in picture.having(*_HOLDING)
-        if not isinstance(shape, OppositeForce)
+        if not isinstance(shape, shapes.OppositeForce)
         for place in places(shape)
         if place.body == body
     ]
@@ -76,12 +60,12 @@ class Guide(NamedTuple):
     along_in_block: complex  # and in the frame of the other body
 
 
-def guide_of(picture: Picture, shape: Slide | Slot) -> Guide:
+def guide_of(picture: Picture, shape: shapes.Slide | shapes.Slot) -> Guide:
     """The guide of a slide or slot; a slot is always on body i."""
     i, j, along = shape.i, shape.j, shape.along
     other = along * np.exp(1j * (picture.poses[i.body, 2] - picture.poses[j.body, 2]))
     is_given = picture.is_ground(i.body) or not picture.is_ground(j.body)
-    if isinstance(shape, Slide) and (j.body == 0 or not is_given):
+    if isinstance(shape, shapes.Slide) and (j.body == 0 or not is_given):
         return Guide(j.body, i, j.point, other, along)
     return Guide(i.body, j, i.point, along, other)
 
@@ -133,7 +117,7 @@ def _crank_circle(
 
 def _ground_pin(picture: Picture, body: int) -> complex | None:
     """Where a body turns about the ground, in the global frame."""
-    for _, pin in picture.having(Pin):
+    for _, pin in picture.having(shapes.Pin):
         ends = pin.i.body, pin.j.body
         if body in ends and any(map(picture.is_ground, ends)):
             return complex(picture.at(pin.i))
@@ -143,7 +127,7 @@ def _ground_pin(picture: Picture, body: int) -> complex | None:
 def block_half_length(picture: Picture, guide: Guide) -> float:
     """Half the length of a block, m: less where other blocks are near."""
     at = picture.at(guide.block)
-    others = [guide_of(picture, shape).block for _, shape in picture.having(Slide)]
+    others = [guide_of(picture, shape).block for _, shape in picture.having(shapes.Slide)]
     distances = [abs(picture.at(other) - at) for other in others]
     nearest = min((d for d in distances if d > SAME * picture.size), default=np.inf)
     return float(min(BLOCK[0] * picture.size, 0.28 * nearest))
@@ -215,7 +199,7 @@ def rack_ends(picture: Picture, shape: Rack) -> Points:
     without a motion twice that.
     """
     ends = np.array([-0.25, 0.25]) * picture.size
-    for profile in picture.partners(shape, Profile):
+    for profile in picture.partners(shape, shapes.Profile):
         curve = profile.curve.points
         ends = np.array([-0.8, 0.8]) * np.max(abs(curve - curve.mean()))
     for wheel in picture.partners(shape, Wheel):
@@ -231,7 +215,7 @@ def rack_side(picture: Picture, shape: Rack) -> float:
     """
     heading = picture.turned(shape.along, shape.i.body)
     centers = [picture.at(wheel.center) for wheel in picture.partners(shape, Wheel)]
-    curves = [profile.curve for profile in picture.partners(shape, Profile)]
+    curves = [profile.curve for profile in picture.partners(shape, shapes.Profile)]
     centers += [picture.placed(points.mean(), body) for body, points in curves]
     if centers:
         return 1.0 if dot(1j * heading, centers[0] - picture.at(shape.i)) >= 0 else -1.0

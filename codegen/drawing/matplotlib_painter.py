@@ -7,17 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from codegen.drawing.annotations import (
-    Load,
-    Series,
-    acting_loads,
-    dimension_lines,
-    drawn_loads,
-    driver_strokes,
-    force_scale,
-    frame_strokes,
-    trace_strokes,
-)
+from codegen.drawing import annotations
 from codegen.drawing.labels import Writer, labels
 from codegen.drawing.lines_between_bodies import lines_between_bodies
 from codegen.drawing.lines_in_bodies import lines_in_bodies
@@ -46,7 +36,8 @@ SIDE = 0.75  # layout: room beside the axes of a movie, inches
 
 def figure(
     picture: Picture, dimensions: bool = False, forces: bool = False, *, frames: bool = False,
-    names: bool = True, series: Series | None = None, run: Iterable[Load] = (),
+    names: bool = True, series: annotations.Series | None = None,
+    run: Iterable[annotations.Load] = (),
 ) -> "Figure":  # fmt: skip
     """Draw a picture, whose bodies all have outlines: see `body_outlines.complete_picture`.
 
@@ -56,16 +47,16 @@ def figure(
     by the names of their series, and `run` is all that acts in the run. Raises InputError where
     Matplotlib is not installed.
     """
-    acting = acting_loads(picture, series or {}, run)
-    scale = force_scale(picture, acting) if forces else None
-    arrows = drawn_loads(picture, acting, forces)
-    measured = dimension_lines(picture) if dimensions else []
+    acting = annotations.acting_loads(picture, series or {}, run)
+    scale = annotations.force_scale(picture, acting) if forces else None
+    arrows = annotations.drawn_loads(picture, acting, forces)
+    measured = annotations.dimension_lines(picture) if dimensions else []
     artist = PictureArtist(picture)
     artist.signs = [
-        *driver_strokes(picture),
+        *annotations.driver_strokes(picture),
         *(stroke for _, strokes in arrows for stroke in strokes),
-        *(frame_strokes(picture) if frames else ()),
-        *(trace_strokes(picture) if picture.motion is not None else ()),
+        *(annotations.frame_strokes(picture) if frames else ()),
+        *(annotations.trace_strokes(picture) if picture.motion is not None else ()),
         *(stroke for strokes in measured for stroke in strokes),
     ]
     highest = HIGHEST if scale is None else HIGHEST_WITH_FORCES  # their texts are long
@@ -229,7 +220,7 @@ class MovieFigure:
         self.size: tuple[int, int] = canvas.get_width_height()
         _prepare_axes(self.axes, low, high, first.title)
         shown = replace(first, motion=np.array([frame.poses for frame in frames]))
-        for stroke in trace_strokes(shown):
+        for stroke in annotations.trace_strokes(shown):
             self.axes.plot(*pairs(stroke.points).T, color=LIGHT["trace"], linewidth=0.9, zorder=1.5)
         self.clock = self.axes.text(0.99, 1.015, "", transform=self.axes.transAxes, ha="right",
                                     fontsize=9, color=LIGHT["muted"], animated=True)  # fmt: skip
@@ -248,7 +239,7 @@ class MovieFigure:
         """A frame as red, green, blue and opacity, (height, width, 4), 0 to 255."""
         frame = self.frames[number]
         artist = self._artist_of(frame)
-        artist.signs = list(driver_strokes(frame))
+        artist.signs = list(annotations.driver_strokes(frame))
         if artist.collection is None:
             artist.add_to(self.axes, frame).set_animated(True)
         else:

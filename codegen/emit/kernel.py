@@ -4,12 +4,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from textwrap import wrap
 
-from codegen.emit.line_wrapping import literal, prose, quantity, wrap_statement
+from codegen.emit.line_wrapping import literal, prose, wrap_statement
 from codegen.emit.module_functions import lookups
 from codegen.emit.statements import NOTHING, SIGN, SUM, Scope, Statements
 from codegen.lower.module_tables import Description
 from codegen.lower.operation_count import operations
 from codegen.lower.program import Folded, Input, Kernel, Lookup, Op, Program
+from codegen.object_display import counted
 
 PER_COORDINATE = ("q", "v", "a", "w", "dq", "dv", "dq_in", "dv_in", "da", "Q", "g")
 RATES = {"v": "/s", "a": "/s^2", "da": "/s^2", "dv": "/s", "dv_in": "/s", "all_v": "/s"}
@@ -49,8 +50,8 @@ class Arguments:
         if not self.sizes:
             return
         if kernel.name == "constants":
-            behind = quantity(len(program.constants), "constant")
-            yield f"Reads {quantity(self.declared, 'parameter')} in p, writes {behind} behind."
+            behind = counted(len(program.constants), "constant")
+            yield f"Reads {counted(self.declared, 'parameter')} in p, writes {behind} behind."
             return
         counts: dict[str, int] = {}
         for out in kernel.outputs:
@@ -219,7 +220,7 @@ def heading(program: Program, kernel: Kernel, arguments: Arguments) -> Iterator[
     yield f'    """{prose(kernel.summary)}'
     yield ""
     yield from (f"    {prose(line)}" for line in arguments.lines(program, kernel))
-    yield f"    {quantity(operations(program, kernel), 'operation')}."
+    yield f"    {counted(operations(program, kernel), 'operation')}."
     yield '    """'
 
 

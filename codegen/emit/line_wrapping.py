@@ -11,12 +11,6 @@ IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 PAGE = 100  # characters in a line
 
 
-def quantity(count: int, noun: str) -> str:
-    """``1 degree of freedom``, ``2 degrees of freedom``."""
-    first, *rest = noun.split(" ", 1)
-    return " ".join([str(count), first if count == 1 else f"{first}s", *rest])
-
-
 def wrap_statement(head: str, text: str, note: str = "") -> Iterator[str]:
     """A statement on one line; where the page is too narrow, its note above, brackets around."""
     indent = head[: len(head) - len(head.lstrip())]

@@ -5,6 +5,7 @@ assembly takes are compiled.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -123,10 +124,8 @@ def _problems_of_scene(model: Model, name: str) -> list[str]:
     """Problems of a scene of an unsound model, where they can be found at all."""
     scene = model.scenes[name]
     found = [*scene.problems]
-    try:
+    with suppress(Exception):  # for a reason that is among the model's own problems
         found += check_scene(model, scene)
-    except Exception:  # for a reason that is among the model's own problems
-        return found
     return found
 
 

@@ -232,7 +232,7 @@ def measure(
 
 def _stage_kernel(equations: Equations, program: Program, path: Path) -> Timed:
     declared = parameters(equations)
-    docstring = ['"""A stage of a ledger.', '"""']
+    docstring = ["A stage of a ledger."]
     text = assemble_module(program, ORIGIN, docstring, {}, Arguments(len(declared)))
     path.write_text(text, encoding="utf-8")
     module = import_generated(path)

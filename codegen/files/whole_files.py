@@ -49,9 +49,7 @@ def whole_file(path: Path, kind: type[InputError] = InputError) -> Iterator[Path
     except OSError as error:
         if error is others:
             raise
-        raise kind(f"cannot write {path}: {error.strerror or error}. {_advice(path, error)}") from (
-            error
-        )
+        raise kind(_sentence(path, error)) from error
 
 
 @contextmanager
@@ -81,9 +79,7 @@ def whole_folder(path: Path, mark: str, kind: type[InputError] = InputError) -> 
                     older.replace(path)
                 raise
     except OSError as error:
-        raise kind(f"cannot write {path}: {error.strerror or error}. {_advice(path, error)}") from (
-            error
-        )
+        raise kind(_sentence(path, error)) from error
 
 
 def flush_folder(folder: Path) -> None:
@@ -118,14 +114,15 @@ def require_replaceable(path: Path, mark: str, kind: type[InputError] = InputErr
         raise kind(f"{path} is there, and has no {mark}: it is left alone. Choose another name.")
 
 
-def _advice(path: Path, error: OSError) -> str:
-    folder = path.resolve().parent
+def _sentence(path: Path, error: OSError) -> str:
+    """Why a path cannot be written, and what to do."""
+    folder, why = path.resolve().parent, f"cannot write {path}: {error.strerror or error}."
     if error.errno not in _FULL or not folder.is_dir():
-        return "Choose another folder, or make this one writable."
+        return f"{why} Choose another folder, or make this one writable."
     free = shutil.disk_usage(folder).free >> 10
     return (
-        f"There are {free} KiB free in {folder}: free some space, or choose a place on another "
-        "disk. A file that had this name before is unchanged."
+        f"{why} There are {free} KiB free in {folder}: free some space, or choose a place on "
+        "another disk. A file that had this name before is unchanged."
     )
 
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import typer
 
-from codegen.emit.line_wrapping import quantity
 from codegen.errors import InputError, SceneError
+from codegen.object_display import counted
 from linkwright.cli import completion
 from linkwright.cli.options import (
     AnyScene,
@@ -127,7 +127,7 @@ def _print_build(report: "BuildReport", check: bool) -> None:
         rows = [
             ("file", str(s.path)),
             ("bodies", ", ".join(s.bodies)),
-            ("equations", ", ".join(quantity(count, noun) for noun, count in numbers.items())),
+            ("equations", ", ".join(counted(count, noun) for noun, count in numbers.items())),
             *([("states", ", ".join(s.states))] if s.states else []),
             ("effects", ", ".join(s.effects) or "none"),
             ("left out", ", ".join(s.left_out) or "nothing"),

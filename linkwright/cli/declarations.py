@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from codegen.emit.line_wrapping import quantity
 from codegen.errors import GeneratedFileError, InputError
+from codegen.object_display import counted
 from codegen.readers.values import name_problem, nearest
 from linkwright.cli import completion
 from linkwright.cli.compilation import refuse_stale
@@ -187,7 +187,7 @@ def _rows(scene: "SceneFacts") -> list[tuple[str, str]]:
         "coordinate": scene.coordinates, "constraint": scene.constraints,
         "degree of freedom": scene.degrees_of_freedom,
     }  # fmt: skip
-    counts = ", ".join(quantity(count, noun) for noun, count in numbers.items())
+    counts = ", ".join(counted(count, noun) for noun, count in numbers.items())
     independent = scene.degrees_of_freedom == scene.coordinates - scene.constraints
     redundant = "none" if independent else "some"
     ends = [f"{body} ({joint})" for body, joint in scene.one_joint.items()]
@@ -214,7 +214,7 @@ def _assembly(scene: "SceneFacts") -> str:
     moved = [f"{one.name} {one.guess:.4g} → {one.reached:.4g} {one.unit}" for one in scene.moved]
     more = len(moved) - _MOVED
     return (
-        f"{text}; this moves {quantity(len(moved), 'coordinate')}: {', '.join(moved[:_MOVED])}"
+        f"{text}; this moves {counted(len(moved), 'coordinate')}: {', '.join(moved[:_MOVED])}"
         f"{f', and {more} more' if more > 0 else ''}"
     )
 

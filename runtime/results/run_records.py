@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from codegen.object_display import without_rounding
+from codegen.object_display import listed, without_rounding
 from codegen.readers.calls import readable_class
 from runtime.core.kinds import SLIDING, Direction
 from runtime.mechanism.module_tables import Description
@@ -21,7 +21,6 @@ Kind = Literal["crossing", "lock-up", "start", "unclear"]
 
 _SINGULAR = (Direction.CROSSED, Direction.LOCKED)
 _SMALL = 0.02  # layout: part of the largest share, below which a text leaves a share out
-_MOST = 8  # layout: shares that a text shows
 
 
 @readable_class
@@ -160,9 +159,8 @@ def shares(direction: Mapping[str, float]) -> str:
     """The larger shares of a direction as text, the largest first."""
     largest = max(map(abs, direction.values()), default=0.0)
     shown = sorted(direction.items(), key=lambda item: -abs(item[1]))
-    texts = [f"{name} {part:+.3g}" for name, part in shown if abs(part) > _SMALL * largest]
-    rest = len(texts) - _MOST
-    return ", ".join(texts[:_MOST]) + (f" and {rest} more" if rest > 0 else "")
+    large = (f"{name} {part:+.3g}" for name, part in shown if abs(part) > _SMALL * largest)
+    return listed(large, "")
 
 
 _CONTACTS = ("contact", "stop", "clearance joint", "gear with backlash", "elastic belt")

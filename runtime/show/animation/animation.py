@@ -241,7 +241,10 @@ def animated(result: "Result") -> "Result":
     those that are added lie at equal turns.
     """
     span = float(np.ptp(result.t)) if len(result.t) else 0.0
-    room = _VALUES / _columns(result)
+    known = result.description
+    # About so many numbers a page has of an instant: motion twice, reactions, powers.
+    columns = 4 * len(known.coordinates) + len(known.reactions) + len(known.powers) + 4
+    room = _VALUES / columns
     most = int(np.clip(room, _SAMPLING.least, _SAMPLING.most))
     least = int(np.clip(RATE * span, _SAMPLING.least, most))
     sampling = _SAMPLING._replace(least=least, most=most)
@@ -276,9 +279,3 @@ def instants_between(t: FloatArray, turned: FloatArray, room: int) -> FloatArray
         return np.concatenate([np.empty(0), *split])
     whole = np.cumsum([0.0, *np.where(parts > 1, turned, 0.0)])
     return np.interp(np.linspace(0.0, whole[-1], max(room, 0) + 2)[1:-1], whole, t)
-
-
-def _columns(result: "Result") -> int:
-    """About how many numbers a page has of an instant: motion twice, reactions, powers."""
-    known = result.description
-    return 4 * len(known.coordinates) + len(known.reactions) + len(known.powers) + 4
