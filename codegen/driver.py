@@ -110,8 +110,7 @@ def build(
         If the file, the model or a scene is wrong, with all problems at once; or if a scene can
         have no derivatives or reduced equations although they are requested.
     """
-    requested = {"tangents": tangents, "reduced": reduced, "picture": picture}
-    requested["outputs"] = outputs
+    requested = {"tangents": tangents, "reduced": reduced, "picture": picture, "outputs": outputs}
     return _build(model, scene, out, settings or {}, requested, check, compile, progress, unroll)
 
 
@@ -207,22 +206,19 @@ def _emit(
 
 def translate(model: Model, scene: Scene, clock: Clock) -> tuple[Equations, Lowered, Findings]:
     """Derive, lower and examine one scene."""
-    stage = "derive"
     try:
-        with clock(stage):
+        with clock("derive"):
             equations = derive(model, scene)
-        stage = "lower"
-        with clock(stage):
+        with clock("lower"):
             lowered = lower(equations)
-        stage = "examine"
-        with clock(stage):
+        with clock("examine"):
             findings = examine(model, equations, lowered)
     except LinkwrightError:
         raise
     except Exception as error:
-        raise ModelError(
-            f"scene '{scene.name}', at the stage {stage}: {unreadable(error)}"
-        ) from error
+        *_, stage = clock.seconds
+        what = f"scene '{scene.name}', at the stage {stage}: {unreadable(error)}"
+        raise ModelError(what) from error
     if findings.problems:
         raise ModelError(findings.problems)
     return equations, lowered, findings

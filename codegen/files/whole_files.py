@@ -37,9 +37,7 @@ def whole_file(path: Path, kind: type[InputError] = InputError) -> Iterator[Path
             try:
                 yield temporary
             except OSError as error:
-                named = {
-                    str(name) for name in (error.filename, error.filename2) if name is not None
-                }
+                named = {str(x) for x in (error.filename, error.filename2) if x is not None}
                 others = error if named and str(temporary) not in named else None
                 raise
             with temporary.open("rb") as file:

@@ -53,11 +53,8 @@ def origin(
         ((source.relative_to(base) if source.is_relative_to(base) else source).as_posix(), digest)
         for source, digest in file.sources
     ]
-    options = (
-        "".join(f" --set {name}={literal(value)}" for name, value in sorted(settings.items()))
-        + more
-        + (f" --unroll {unroll}" if unroll != "auto" else "")
-    )
+    options = "".join(f" --set {name}={literal(value)}" for name, value in sorted(settings.items()))
+    options += more + f" --unroll {unroll}" * (unroll != "auto")
     varied = equations.scene.root is not None  # by without() or with_(): not declared in a file
     scene = equations.scene.expression if varied else f"'{equations.scene.name}'"
     form = f", unroll='{unroll}'" if unroll != "auto" else ""

@@ -314,10 +314,7 @@ def number_of(value: Value) -> Number:
 
 
 def _is_entry(number: Number) -> bool:
-    """Whether it is an entry of a table of whole numbers without sign.
-
-    Numba calculates with them in another way where no number with a sign takes part.
-    """
+    """Whether it is an entry of a table without sign, with which numba may calculate otherwise."""
     return getattr(number, "opname", "") == "zext"
 
 

@@ -10,13 +10,10 @@ def locked(path: Path) -> Iterator[None]:
     """One process at a time; without a lock where the file `path` cannot be made or locked."""
     from filelock import FileLock  # which takes a tenth of a start of the program
 
-    lock = FileLock(path)
     try:
-        lock.acquire()
+        held = FileLock(path).acquire()
     except (OSError, NotImplementedError):  # read-only, or a disk without locks
         yield
         return
-    try:
+    with held:
         yield
-    finally:
-        lock.release()

@@ -110,10 +110,7 @@ def row_at(slot: int, count: int, factor: int, part: int | None, **attributes: i
 
 
 def _view(typing_context: Any, base: Any, start: Any, shape: Any) -> Any:
-    """An array in a flat float64 or int64 one from element `start` on; bounds unchecked.
-
-    `shape` is its length, or its numbers of rows and columns.
-    """
+    """An array in a flat one from `start` on, unchecked; `shape`: length, or rows and columns."""
     if not (isinstance(base, _types.Array) and base.ndim == 1 and base.layout == "C"):
         return None
     pair = isinstance(shape, _types.BaseTuple)
@@ -148,11 +145,7 @@ if not PLAIN:
 
 
 def _declare_attribute(name: str, fetch: Any, *numbers: int) -> None:
-    """Let ``table.name`` in compiled code be what the intrinsic of `fetch` takes out of a table.
-
-    `numbers` are the intrinsic's arguments behind the table, one at most. Raises ValueError if
-    `name` is known, or an attribute of every array, such as ``size``.
-    """
+    """Let ``table.name`` in compiled code be what the intrinsic of `fetch` takes out of a table."""
     if name in _attributes or hasattr(np.ndarray, name):
         raise ValueError(f"context.{name} is taken: choose another name")
     signature, codegen = fetch(None, ADDRESSES, *[types.intp] * len(numbers))

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Literal
 import typer
 
 from codegen.errors import InputError, SceneError
-from codegen.object_display import counted
 from linkwright.cli import completion
 from linkwright.cli.options import (
     AnyScene,
@@ -28,6 +27,7 @@ from linkwright.cli.output import (
     print_json,
     print_rows,
     progress_shown,
+    sizes,
     write_error,
     write_line,
 )
@@ -120,14 +120,10 @@ def _print_build(report: "BuildReport", check: bool) -> None:
 
     for s in report.scenes:
         typer.echo(f"{bold(s.model)}, scene {bold(s.scene)}: {state(s)}")
-        numbers = {
-            "coordinate": s.coordinates, "constraint": s.constraints,
-            "degree of freedom": s.degrees_of_freedom,
-        }  # fmt: skip
         rows = [
             ("file", str(s.path)),
             ("bodies", ", ".join(s.bodies)),
-            ("equations", ", ".join(counted(count, noun) for noun, count in numbers.items())),
+            ("equations", sizes(s)),
             *([("states", ", ".join(s.states))] if s.states else []),
             ("effects", ", ".join(s.effects) or "none"),
             ("left out", ", ".join(s.left_out) or "nothing"),

@@ -30,6 +30,7 @@ from linkwright.cli.output import (
     print_json,
     print_rows,
     progress_shown,
+    sizes,
     write_error,
     write_line,
 )
@@ -183,11 +184,6 @@ def _show_declaration(report: "DeclarationReport", model: str) -> None:
 
 def _rows(scene: "SceneFacts") -> list[tuple[str, str]]:
     """Titles and texts of a scene."""
-    numbers = {
-        "coordinate": scene.coordinates, "constraint": scene.constraints,
-        "degree of freedom": scene.degrees_of_freedom,
-    }  # fmt: skip
-    counts = ", ".join(counted(count, noun) for noun, count in numbers.items())
     independent = scene.degrees_of_freedom == scene.coordinates - scene.constraints
     redundant = "none" if independent else "some"
     ends = [f"{body} ({joint})" for body, joint in scene.one_joint.items()]
@@ -195,7 +191,7 @@ def _rows(scene: "SceneFacts") -> list[tuple[str, str]]:
     parameters = [f"parameter{'s' * (len(unused) > 1)} {', '.join(unused)}"] if unused else []
     found = {
         "bodies": ", ".join(scene.bodies),
-        "equations": f"{counts}; {redundant} redundant",
+        "equations": f"{sizes(scene)}; {redundant} redundant",
         "assembly": _assembly(scene),
         "one joint": ", ".join(ends) if scene.degrees_of_freedom else "",
         "left out": "; ".join([*([", ".join(left_out)] if left_out else []), *parameters]),

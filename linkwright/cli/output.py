@@ -9,10 +9,18 @@ from typing import Any
 
 import typer
 
+from codegen.object_display import counted
+
 
 def bold(text: object) -> str:
     """Text that is bold in a terminal."""
     return typer.style(str(text), bold=True)
+
+
+def sizes(scene: Any) -> str:
+    """``4 coordinates, 3 constraints, 1 degree of freedom``, of a report on a scene."""
+    counts = scene.coordinates, scene.constraints, scene.degrees_of_freedom
+    return ", ".join(map(counted, counts, ("coordinate", "constraint", "degree of freedom")))
 
 
 def print_rows(rows: list[tuple[str, str]]) -> None:

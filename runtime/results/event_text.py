@@ -33,12 +33,9 @@ def event_text(name: str, direction: int) -> str:
                 "begins to hold" if begins else "ceases to hold"
             )
         case Direction.HOLDS:
-            compared = _compared(condition)
-            where = (
-                f"{compared[0]} = {compared[2]}"
-                if compared
-                else f"the boundary of {_cut(label_sides(condition)[0])}"
-            )
+            where = f"the boundary of {_cut(label_sides(condition)[0])}"
+            if compared := _compared(condition):
+                where = f"{compared[0]} = {compared[2]}"
             return f"{element}: the motion stays on {where}"
     return f"{element}: {_cut(condition)}, impact"
 

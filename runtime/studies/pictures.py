@@ -195,10 +195,8 @@ def _places(points: Sequence[Point]) -> tuple[list[float], list[float]]:
 def _draw_line(axes: "Axes", line: Line) -> None:
     """Runs that the reference resolves, and in grey all; a refused setting is in the legend."""
     setting = line.setting
-    colour, style, marker = (
-        METHOD_COLOURS[setting.method],
-        *LOOKS[setting.formulation, setting.correction],
-    )
+    colour = METHOD_COLOURS[setting.method]
+    style, marker = LOOKS[setting.formulation, setting.correction]
     axes.plot(*_places(line.done), color=GREY, linewidth=0.9, linestyle=style, zorder=2)
     beyond = [point for point in line.done if point.beyond]
     axes.scatter(*_places(beyond), s=12, color=GREY, marker=marker, zorder=2)

@@ -221,10 +221,8 @@ def curves(result: "Result") -> tuple[list[dict[str, Any]], list[dict[str, Any]]
         name = f"power({row.name})" if row.kind == "power" else row.name
         size, change = float(np.abs(finite).max()), float(np.ptp(finite))
         shared = [("All bodies", "", kind)] if section == "Bodies" else []
-        for where, whose, word in (
-            *shared,
-            (section, owner, f"{owner}: {kind}" if owner else kind),
-        ):
+        own = section, owner, f"{owner}: {kind}" if owner else kind
+        for where, whose, word in (*shared, own):
             title = f"{word}, {unit}" if unit else word
             group = groups.setdefault(
                 (where, title),
