@@ -8,7 +8,7 @@ import sys
 import warnings
 from collections.abc import Iterable
 from importlib import import_module
-from typing import Any
+from types import ModuleType
 
 FAILURES = (Exception, SystemExit, GeneratorExit)
 """What a user's own object or function may raise; KeyboardInterrupt is the wish to stop."""
@@ -92,7 +92,7 @@ class TableWarning(UserWarning):
         super().__init__(text)
 
 
-def module_of_extra(module: str, extra: str, needs: str, otherwise: str = "") -> Any:
+def module_of_extra(module: str, extra: str, needs: str, otherwise: str = "") -> ModuleType:
     """A module that an extra of the package brings; InputError with the command that installs it.
 
     `needs` begins the sentence, ``"A sweep needs zarr"``, and `otherwise` ends it.
