@@ -12,10 +12,13 @@ import numpy as np
 import numpy.typing as npt
 import sympy
 
-from codegen.declare.body import Body, Curve, expressions_in
-from codegen.declare.motion_program import values_of
+from codegen.declare.body import Body, Curve
+from codegen.declare.motion_program import MotionProgram, values_of
 from codegen.declare.symbols import alpha
+from codegen.declare.value_reader import Reader
+from codegen.errors import ModelError
 from codegen.readers.calls import declaring, declaring_class
+from codegen.readers.values import shown
 
 Numbers = npt.NDArray[np.float64]
 _SAMPLES = 1440  # accuracy: of a turn, at which the least radius of curvature is looked for
@@ -63,7 +66,10 @@ class CamProfile(Curve):
         return self._values([self.x + cx, self.y + cy], at, parameters).T
 
     def _values(self, expressions: Any, at: Any, parameters: Any) -> Numbers:
-        return values_of(expressions, alpha, at, parameters, repr(self))
+        found = values_of(expressions, alpha, at, parameters, repr(self))
+        if not np.isfinite(found).all():
+            raise ModelError(f"{self!r} has no finite values: the follower does not reach it.")
+        return found
 
 
 @declaring("roller_cam")
@@ -90,17 +96,26 @@ def roller_cam(
         Of an arm: the length from its pivot to the roller's centre, m, (x, y) of the pivot from
         the cam's centre, m, and whether it swings clockwise as it rises.
     """
-    base, roller, e = expressions_in("m", "roller_cam", base_radius, roller_radius, offset)
-    if arm is None:
-        height = sympy.sqrt((base + roller) ** 2 - e**2) + _lift(lift, "m")
-        center, rise = sympy.Matrix([e, height]), sympy.Matrix([0, 1])
+    read, slides = Reader(), arm is None and pivot is None
+    base, rise_by = _length(read, base_radius, "base_radius"), _lift(read, lift, slides)
+    roller, e = _length(read, roller_radius, "roller_radius"), read.value(offset, "m", "offset")
+    if slides:
+        within = e / (base + roller)
+        center = sympy.Matrix([e, sympy.sqrt((base + roller) ** 2 - e**2) + rise_by])
+        rise = sympy.Matrix([0, 1])
     else:
-        x, y, length = expressions_in("m", "roller_cam", *pivot, arm)
+        x, y, length = *read.vector(pivot, ("m",) * 2, "pivot", "pivot"), _length(read, arm, "arm")
+        if e != 0:
+            read.note("offset= is of a roller that slides; leave it out beside arm= and pivot=.")
         sense, apart = -1 if arm_clockwise else 1, sympy.sqrt(x**2 + y**2)
         within = (length**2 + apart**2 - (base + roller) ** 2) / (2 * length * apart)
-        angle = sympy.atan2(-y, -x) + sense * (sympy.acos(within) + _lift(lift, "rad"))
+        angle = sympy.atan2(-y, -x) + sense * (sympy.acos(within) + rise_by)
         out = sympy.Matrix([sympy.cos(angle), sympy.sin(angle)])
         center, rise = sympy.Matrix([x, y]) + length * out, sense * _quarter(out)
+    if not read.problems and (1 - within**2).is_nonnegative is False:
+        read.note("the roller reaches no base circle of this radius with this offset or arm.")
+    if read.problems:
+        raise ModelError([f"roller_cam: {problem}" for problem in read.problems])
     way = -1 if clockwise else 1
     tangent = center.diff(alpha) - way * _quarter(center)
     normal, size = way * _quarter(tangent), sympy.sqrt(tangent.dot(tangent))
@@ -118,16 +133,28 @@ def flat_faced_cam(
     cam: Body, lift: Any, base_radius: Any, clockwise: bool = False
 ) -> CamProfile:  # fmt: skip
     """The profile that moves a flat face, which is parallel to x, along y; see `roller_cam`."""
-    way, rise = -1 if clockwise else 1, _lift(lift, "m")
-    (base,) = expressions_in("m", "flat_faced_cam", base_radius)
+    read, way = Reader(), -1 if clockwise else 1
+    base, rise = _length(read, base_radius, "base_radius"), _lift(read, lift)
+    if read.problems:
+        raise ModelError([f"flat_faced_cam: {problem}" for problem in read.problems])
     contact = sympy.Matrix([way * rise.diff(alpha), base + rise])
     curve, zero = _turned(cam, contact, way), sympy.S.Zero
     radius = base + rise + rise.diff(alpha, 2), sympy.S.One, zero
     return CamProfile(cam, curve.x, curve.y, pitch=curve, slope=zero, radius=radius)
 
 
-def _lift(lift: Any, unit: str) -> sympy.Expr:
-    return expressions_in(unit, "lift of a cam", lift(alpha) if callable(lift) else lift)[0]
+def _lift(read: Reader, lift: Any, slides: bool = True) -> sympy.Expr:
+    unit = "m" if slides else "rad"
+    if isinstance(lift, MotionProgram) and (lift.unit, lift.value_unit) != ("rad", unit):
+        read.note(f"lift is in {lift.value_unit} over {lift.unit}; give {unit} over an angle.")
+    return read.value(lift(alpha) if callable(lift) else lift, unit, "lift", profile=True)
+
+
+def _length(read: Reader, value: Any, where: str) -> sympy.Expr:
+    length = read.value(value, "m", where)
+    if length.is_negative or (length == 0 and where == "base_radius"):
+        read.note(f"{where} is {shown(value)}; give a length that is more than 0.")
+    return length
 
 
 def _quarter(vector: sympy.Matrix) -> sympy.Matrix:

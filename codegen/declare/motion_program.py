@@ -19,6 +19,7 @@ from codegen.declare.body import expressions_in
 from codegen.declare.symbols import Given, alpha
 from codegen.declare.value_reader import Reader
 from codegen.errors import ModelError
+from codegen.readers.arguments import count, reads
 from codegen.readers.calls import declaring, declaring_class
 from codegen.readers.expressions import plain_expression
 from codegen.readers.quantities import converted, known_unit, si_unit
@@ -40,8 +41,8 @@ Move = tuple[float, sympy.Expr, sympy.Expr, tuple[Piece, ...]]
 class MotionProgram:
     """Moves as a function: called with an expression, it returns the value there."""
 
-    def __init__(self, moves: Sequence[Move], unit: str, periodic: bool) -> None:
-        self.unit, self.length = unit, sum(length for length, *_ in moves)
+    def __init__(self, moves: Sequence[Move], unit: str, of: str, periodic: bool) -> None:
+        self.unit, self.value_unit, self.length = unit, of, sum(length for length, *_ in moves)
         self._at, self._scale, scale = Given("place", real=True), sympy.S.One, 1.0
         if periodic:  # a turn of alpha
             self._at, scale = alpha, _TURN / self.length
@@ -64,6 +65,7 @@ class MotionProgram:
             )
         return self._function.xreplace({self._at: self._scale * place})
 
+    @reads(order=count(0))
     def values(self, at: Any, order: int = 0, parameters: Any = None) -> npt.NDArray[np.float64]:
         """The value, or a derivative by the angle or time, at a number or an array of them, SI.
 
@@ -89,7 +91,10 @@ def values_of(
         raise ModelError(f"{where} depends on {', '.join(missing)}; give parameters={{...}}.")
     function = plain_function([symbol, *own], [*expressions])
     numbers = [plain_float(given[s.name]) for s in own]
-    places = np.asarray(at, dtype=np.float64)
+    try:
+        places = np.asarray(at, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ModelError(f"{where}: {shown(at)}: give plain numbers, in SI units.") from None
     rows = [function([x, *numbers]) for x in places.ravel().tolist()]
     return np.reshape(np.transpose(rows), (len(expressions), *places.shape))
 
@@ -153,18 +158,20 @@ def motion_program(
         where = f"moves[{k}]"
         last = expression(row[1], f"{where}, value")
         name = read.choice(row[2], (*SHAPES, *LIMITED), f"{where}, law") if row[2:] else ""
-        if (count := LIMITED.get(name, 0)) == 0:
+        if (needed := LIMITED.get(name, 0)) == 0:
             if not name and first != last:
                 read.note(f"{where} goes to {shown(row[1])} without a law; name one, as 'cycloid'.")
             law = pieces(SHAPES[name]) if name and first != last else (_DWELL,)
             made.append((positive(row[0], x, over, f"{where}, length"), first, last, law))
-        elif row[0] is None and len(most) >= count and (last - first).is_nonzero:
-            length, law = fastest(abs(float(last - first)), *[*most[:count], inf][:3])
+        elif row[0] is None and len(most) >= needed and (last - first).is_nonzero:
+            length, law = fastest(abs(float(last - first)), *[*most[:needed], inf][:3])
             made.append((length, first, last, law))
+            if law[0].polynomial[1]:  # no ramp is left
+                read.note(f"{where} takes 1e12 times as long as its ramps; change limits=.")
         else:
             read.note(
                 f"{where}: write (None, value, {name!r}), with a value that is another number, and "
-                f"{count} limits= that decide how long it takes, speed, acceleration, jerk."
+                f"{needed} limits= that decide how long it takes, speed, acceleration, jerk."
             )
         first = last
     turns, ends = sum(length for length, *_ in made) / _TURN, f"ends at {shown(rows[-1][1])}"
@@ -174,7 +181,7 @@ def motion_program(
         read.note(f"the moves take {360.0 * turns:.6g}°, not 360°; change a dwell.")
     if read.problems:
         raise ModelError(f"motion_program: {read.problems[0]}")
-    return MotionProgram(made, over, periodic)
+    return MotionProgram(made, over, of, periodic)
 
 
 def _formula(moves: Sequence[Move], at: sympy.Symbol, scale: float) -> sympy.Expr:
@@ -182,11 +189,11 @@ def _formula(moves: Sequence[Move], at: sympy.Symbol, scale: float) -> sympy.Exp
     ends, rows = list[float](), list[list[Any]]()  # None does not matter
     begin = 0.0
     for length, first, last, law in moves:
-        for end, amplitude, *wave, powers in law:
+        for end, amplitude, *wave, powers, since in law:
             ends.append(begin + end * length * scale)
             sine = (amplitude, *wave) if amplitude else (0.0, None, None)
-            moving = [begin, 1.0 / (length * scale), *sine, *powers] if first != last else None
-            rows.append([first, last - first, *(moving or [None] * 13)])
+            moving = [begin + since * length * scale, 1.0 / (length * scale or 1.0), *sine, *powers]
+            rows.append([first, last - first, *(moving if first != last else [None] * 13)])
         begin += length * scale
 
     def chosen(column: Sequence[Any]) -> sympy.Expr:
@@ -212,8 +219,14 @@ def fourier_series(
     `at` is the time, an angle or `alpha`; `cosines` and `sines` are a_k and b_k, numbers or
     expressions of parameters, in SI units.
     """
-    once = 2 * sympy.pi * plain_expression(at) / plain_expression(period)
-    waves = (plain_expression(c) * wave(k * once)
-             for row, wave in ((cosines, sympy.cos), (sines, sympy.sin))
-             for k, c in enumerate(members(row), 1))  # fmt: skip
-    return sympy.Add(plain_expression(mean), *waves)
+    try:
+        mean, over, once = map(plain_expression, (mean, at, period))
+        waves = [plain_expression(c) * wave(k * (2 * sympy.pi * over / once))
+                 for row, wave in ((cosines, sympy.cos), (sines, sympy.sin))
+                 for k, c in enumerate(members(row), 1)]  # fmt: skip
+        if once == 0:
+            raise KindError
+    except KindError:
+        what = f"mean, cosines, sines and period are {shown((mean, cosines, sines, period))}"
+        raise ModelError(f"fourier_series: {what}; write 1.0, [0.5], [0.1, 0.3], 0.4.") from None
+    return sympy.Add(mean, *waves)

@@ -288,7 +288,7 @@ def write_path(file: str | Path, points: Any, closed: bool = False) -> Path:
             document.saveas(temporary)
         return path
     rows = np.column_stack([rows[:, 0] - rows[:, 0].min(), rows[:, 1].max() - rows[:, 1]])
-    width, height = rows.max(axis=0).tolist()
+    width, height = np.maximum(rows.max(axis=0), _LINE * (rows.max() or 1.0)).tolist()
     way = " L ".join(f"{x!r},{y!r}" for x, y in rows.tolist())
     text = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}mm" height="{height}mm" '

@@ -1,12 +1,11 @@
 """Laws of motion from rest to rest, by the shapes of their accelerations.
 
-A law leads from 0 to 1 while u runs from 0 to 1: s = c0 + c1 u + c2 u² + … + A sin(ω u + φ) in each
-piece. Names and shapes are those of Norton, Cam Design and Manufacturing Handbook; the scale and
-the constants follow from s = ṡ = 0 at u = 0, s = 1 at u = 1, and continuity.
+A law leads from 0 to 1 while u runs from 0 to 1: s = c0 + c1 x + c2 x² + … + A sin(ω x + φ) in each
+piece, x = u - its `begin`. Names and shapes are those of Norton, Cam Design and Manufacturing
+Handbook; scale and constants follow from s = ṡ = 0 at u = 0, s = 1 at u = 1, and continuity.
 """
 
 from functools import cache
-from itertools import accumulate
 from math import cbrt, sqrt
 from typing import NamedTuple
 
@@ -37,13 +36,14 @@ _SHORTEST = 1e-12  # accuracy: of a move; a piece that rounding alone makes is n
 
 
 class Piece(NamedTuple):
-    """A piece of a law up to u = `end`: A, ω and φ, and c0, c1, …, c7."""
+    """A piece of a law up to u = `end`: A, ω and φ, c0, c1, …, c7, and from where u counts."""
 
     end: float
     amplitude: float
     frequency: float
     phase: float
     polynomial: tuple[float, ...]
+    begin: float = 0.0
 
 
 @cache
@@ -85,9 +85,19 @@ def fastest(
         rise = (ramp + sqrt(ramp**2 + 4.0 * way / acceleration)) / 2 if ramp == full else 2.0 * ramp
         speed = way / rise
     length = rise + way / speed
-    flat, coast = rise - 2.0 * ramp, length - 2.0 * rise
-    ends = [*accumulate(w / length for w in (ramp, flat, ramp, coast, ramp, flat))]
-    top = ramp / length or 1.0
-    bends = (u, top, top + ends[1] - u, 0, ends[3] - u, -top, u - 1.0)
-    parts = zip([0.0, *ends], map(sympy.sympify, bends), [*ends, 1.0], strict=True)
-    return length, pieces(tuple((bend, e) for b, bend, e in parts if e - b > _SHORTEST))
+    r, flat, rise = ramp / length, (rise - 2.0 * ramp) / length, rise / length
+    top, a = speed * length / way, speed * length / (way * (r + flat))  # of ds/du, d²s/du²
+    low, s = a * r / 2, a * r**2 / 6  # ds/du and s behind the first ramp
+    behind, jump = s + flat * (low + a * flat / 2), a / r if r else 0.0
+    rows = [  # u at its begin, length, s and its derivatives there
+        (0.0, r, 0.0, 0.0, 0.0, jump), (r, flat, s, low, a, 0.0),
+        (r + flat, r, behind, top - low, a, -jump), (rise, 1 - 2 * rise, top * rise / 2, top, 0, 0),
+    ]  # fmt: skip
+    both = zip(rows[2::-1], rows[:0:-1], strict=True)  # the end mirrors the begin
+    rows += [(1 - n[0], own[1], 1 - n[2], n[3], -n[4], own[5]) for own, n in both]
+    kept = [row for row in rows if row[1] > _SHORTEST]
+    ends = [*(row[0] for row in kept[1:]), 1.0]
+    return length, tuple(
+        Piece(end, 0.0, 0.0, 0.0, (c0, c1, c2 / 2, c3 / 6, *(0.0,) * 4), begin)
+        for (begin, _, c0, c1, c2, c3), end in zip(kept, ends, strict=True)
+    )

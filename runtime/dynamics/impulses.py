@@ -49,7 +49,7 @@ def with_impulses(
 
 
 def _impulses(equations: Equations, event: Event, latest: float) -> dict[str, float]:
-    """Component of a reaction → its impulse, N s or N m s, where it is not 0."""
+    """Component of the reaction of a joint or driver → its impulse, N s or N m s, if not 0."""
     t, q, description = event.time, event.q, equations.description
     before = t - _APART * max(abs(t), abs(latest))
     jump = equations.velocity_rhs(t, q) - equations.velocity_rhs(before, q)
@@ -59,6 +59,8 @@ def _impulses(equations: Equations, event: Event, latest: float) -> dict[str, fl
     kernel = equations.kernels.reactions
     if "reactions" in description.kernels:
         kernel(t, q, event.v, equations.p, multipliers[:, 0], reactions)
+    parts = {row.element for row in description.constraints}  # effects and points have no impulse
+    reactions *= [row.element in parts and "N" in row.unit for row in description.reactions]
     least = _ROUNDING * np.abs(reactions).max(initial=0.0)
     rows = zip(description.reactions, reactions.tolist(), strict=True)
     return {f"{row.element}.{row.component}": value for row, value in rows if abs(value) > least}

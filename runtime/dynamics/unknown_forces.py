@@ -4,7 +4,8 @@ The multipliers λ_d of the drivers follow from the values u of the effects, λ_
 vanish where u is what the effects must exert. By virtual work, L has the rates of the lengths and
 angles of the effects by those that are driven. Friction in joints bends the line, so that Newton's
 method goes on from there. Of more effects than drivers the values are those with the least sum of
-(weight times value)²; the weights stand in `p` where the kernels take the values.
+(weight times value)², among neighbours where the line bends or has a kink, N = 0. The weights stand
+in `p` where the kernels take the values.
 """
 
 from collections.abc import Mapping
@@ -28,6 +29,7 @@ from runtime.results.samples import Samples, empty_samples
 
 _MOST = 100  # safety: evaluations at an instant, of which friction asks for more than three
 _REACHED = 1e-9  # accuracy: of the drivers' multipliers without the effects; what may be left
+_ROUNDED = 64.0  # accuracy: of the rounding of the largest multiplier; what may be left
 _CHANGE = 1e-6  # accuracy: of the size of multipliers, by which friction is linearized
 _SHARE = 1e-6  # accuracy: of a dependency; an effect with less has no part in it
 _SHOWN = 5  # layout: instants that a message names
@@ -42,11 +44,11 @@ class Transmission:
         self.slots = [description.parameters.index(name) for name in self.names]
         self.weights = equations.p[self.slots]
         self.drivers = np.flatnonzero(description.driver_rows)
+        self.bent = any(row.kind == "friction" for row in description.effects)
         none = np.zeros(len(self.names))
         self.given = self._exerted(states, none)  # where all values are zero
         self.without = self.given.lam[:, self.drivers]  # λ_d0, (k, d)
-        self.size = max(1.0, float(np.abs(np.nan_to_num(self.without)).max(initial=0.0)))
-        self.slopes = self._slopes(self.given, none, self.size)  # (k, d, u)
+        self.slopes = self._slopes(self.given, none)  # (k, d, u)
 
     @cached_property
     def rank(self) -> npt.NDArray[np.int64]:
@@ -61,24 +63,45 @@ class Transmission:
 
     def write_samples(self, samples: Samples) -> None:
         """Write what follows from the states; no numbers where no values, or any, would do."""
-        bent = any(row.kind == "friction" for row in self.equations.description.effects)
-        for k, without in enumerate(self.without):
-            row, before = samples.at(slice(k, k + 1)), np.inf
-            permitted = _REACHED * np.abs(without).max() + EPS * self.size
-            solvable = self.rank[k] == len(self.drivers)
-            inverse = self._inverse(self.slopes[k]) if solvable else np.nan * self.slopes[k].T
-            values = -inverse @ without
-            for _ in range(_MOST):
+        for k, (without, slopes) in enumerate(zip(self.without, self.slopes, strict=True)):
+            row, values = samples.at(slice(k, k + 1)), np.full(len(self.names), np.nan)
+            if self.rank[k] == len(without):
+                values = self._solved(row, -self._inverse(slopes) @ without, slopes, without)
+                if self.bent and len(values) > len(without):
+                    values = self._least(row, values, without)
+            if self.bent or np.isnan(values).any():
                 evaluate_rows(self._with(values), row)
-                left = np.abs(row.lam[0, self.drivers]).max()
-                if not left > EPS * np.abs(row.lam).max() or before <= left <= permitted:
-                    break
-                if bent:
-                    inverse = self._inverse(self._slopes(row, values, _CHANGE * self.size)[0])
-                values, before = values - inverse @ row.lam[0, self.drivers], left
-            if not left <= permitted:
-                evaluate_rows(self._with(np.nan * values), row)
         samples.a[:] = self.given.a
+
+    def _solved(self, row: Samples, u: FloatArray, slopes: FloatArray, given: Any) -> FloatArray:
+        """Values near these with which drivers exert nothing, else no numbers; writes the row."""
+        inverse, before = self._inverse(slopes), np.inf
+        for _ in range(_MOST):
+            evaluate_rows(self._with(u), row)
+            sizes = np.nan_to_num(np.abs(row.lam[0]), posinf=0.0)
+            left, rounding = np.abs(row.lam[0, self.drivers]).max(), EPS * sizes.max()
+            permitted = _REACHED * np.abs(given).max() + _ROUNDED * rounding
+            if not left > rounding or before <= left <= permitted:
+                break
+            if self.bent:
+                inverse = self._inverse(self._slopes(row, u)[0])
+            u, before = u - inverse @ row.lam[0, self.drivers], left
+        return u if left <= permitted else np.nan * u
+
+    def _least(self, row: Samples, values: FloatArray, without: FloatArray) -> FloatArray:
+        """From values on to those of least norm, by steps that shorten where friction bends."""
+        step, norm = 1.0, float(np.linalg.norm(self.weights * values))
+        for _ in range(_MOST):
+            evaluate_rows(self._with(values), row)
+            slopes = self._slopes(row, values)[0]
+            way = step * (self._inverse(slopes) @ slopes @ values - values)
+            if not np.linalg.norm(self.weights * way) > _REACHED * norm:
+                break
+            found = self._solved(row, values + way, slopes, without)
+            shorter, step = float(np.linalg.norm(self.weights * found)), step / 2.0
+            if shorter < norm:
+                values, norm, step = found, shorter, min(1.0, 4.0 * step)
+        return values
 
     def _with(self, values: FloatArray) -> Equations:
         """The equations in which the effects have these values, (u,)."""
@@ -94,14 +117,18 @@ class Transmission:
         evaluate_rows(self._with(values), found)
         return found
 
-    def _slopes(self, at: Samples, values: FloatArray, change: float) -> FloatArray:
+    def _slopes(self, at: Samples, values: FloatArray) -> FloatArray:
         """L by differences from these samples, in which the effects have these values."""
+        if self.bent and len(at.t) > 1:  # each on its own scale
+            return np.concatenate([self._slopes(at.at([k]), values) for k in range(len(at.t))])
+        size = float(np.nan_to_num(np.abs(at.lam), posinf=0.0).max(initial=0.0)) or 1.0
+        change = (_CHANGE if self.bent else 1.0) * size
         changed = (self._exerted(at, values + one) for one in change * np.eye(len(values)))
         return np.stack([one.lam - at.lam for one in changed], axis=2)[:, self.drivers] / change
 
     def _inverse(self, slopes: FloatArray) -> FloatArray:
         """That of least norm, (u, d)."""
-        scaled = np.linalg.pinv(slopes / self.weights, rcond=EPS)
+        scaled = np.linalg.pinv(np.nan_to_num(slopes) / self.weights, rcond=EPS)
         return np.asarray(scaled / self.weights[:, None])
 
 
@@ -120,7 +147,7 @@ def variant_with_unknown(
         if name not in names:
             raise InputError(f"{title}: weights: {missing('unknown', name, names)}")
         if not (isinstance(value, float) and 0.0 < value < np.inf):
-            raise InputError(f"{title}: the weight of {name} is {value}; give a positive number.")
+            raise InputError(f"{title}: the weight of {name} is {value!r}; give a positive number.")
     return seeking(mechanism, names), {**dict.fromkeys(names, 1.0), **weights}
 
 
@@ -140,7 +167,7 @@ def describe_unknown(result: Result) -> None:
         each = (f"{n} {w:g}" for n, w in zip(found.names, found.weights, strict=True))
         message += (
             f" Unknowns are {len(found.names)} for {count} driven coordinates: the sum of (weight "
-            f"times value in SI units)² is the least, with weights {listed(each)}."
+            f"times SI value)² is the least{' found' * found.bent}, with weights {listed(each)}."
         )
     lost = result.t[np.isnan(result.samples.lam[:, found.drivers]).any(axis=1)]
     if len(lost):

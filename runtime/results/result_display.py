@@ -17,13 +17,15 @@ def text_of(result: "Result") -> str:
     if states:
         units = (f"{row.name} ({row.unit or '1'})" for row in states)
         lines.append(f"  states       {listed(units)}")
-    effects = result.description.effects.names
-    parts = dict.fromkeys(row.element for row in result.description.reactions if row.component)
-    if joints := [name for name in parts if name not in effects]:
+    points = result.description.tracked
+    acting = [name for name in result.description.effects.names if name not in points]
+    reactions = (row for row in result.description.reactions if row.component)
+    exerted = (row.element for row in reactions if "N" in row.unit)
+    if joints := [name for name in dict.fromkeys(exerted) if name not in acting]:
         lines.append(f"  reactions    {listed(joints)} (N, N m)")
-    if acting := [name for name in effects if name not in result.description.tracked]:
+    if acting:
         lines.append(f"  effects      {listed(acting)}")
-    if points := result.description.tracked:
+    if points:
         lines.append(f"  points       {listed(points)} (m)")
     if outputs := result.description.series.of_kind("expression"):
         lines.append(f"  outputs      {listed(f'{row.name} ({row.unit})' for row in outputs)}")

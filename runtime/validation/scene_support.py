@@ -118,8 +118,13 @@ def require_apart(
 
 
 def require_no_rigid(mechanism: Mechanism, analysis: str) -> None:
-    """Refuse an analysis that determines neither closed contacts nor freewheels that grip."""
+    """Refuse an analysis that determines neither contacts, freewheels nor joints that change."""
     description = mechanism.description
+    joints = dict.fromkeys(row.target for row in description.watched if row.reconnects)
+    if joints and analysis != "equilibrium":
+        raise AnalysisError(
+            f"{mechanism.title}: {analysis} cannot release or engage {', '.join(joints)}; simulate."
+        )
     if wheels := [row.name for row in description.switches if row.one_way]:
         raise AnalysisError(
             f"{description.title}: {analysis} does not decide which one-way clutches grip, and "

@@ -179,6 +179,52 @@ def test_parameters_of_a_cam_take_numbers() -> None:
         profile.undercut()
 
 
+DEGREES = motion_program([(180, 5, "cycloid"), (180, 0, "cycloid")], units=("deg", "deg"))
+SECONDS = motion_program([(1, 5, "cycloid"), (1, 0, "cycloid")], units=("s", "mm"))
+
+
+@pytest.mark.parametrize(
+    ("words", "messages"),
+    [
+        ({"offset": 0.05}, ["reaches no base circle of this radius with this offset or arm"]),
+        ({"base_radius": -0.03}, ["base_radius is -0.03; give a length that is more than 0"]),
+        ({"base_radius": 0}, ["base_radius is 0; give a length"]),
+        ({"roller_radius": "-1 mm"}, ["roller_radius is '-1 mm'; give a length"]),
+        ({"base_radius": "3 kg"}, ["base_radius: 3 kilogram has the dimension"]),
+        ({"lift": DEGREES}, ["lift is in rad over rad; give m over an angle"]),
+        ({"lift": SECONDS}, ["lift is in m over s; give m over an angle"]),
+        ({"arm": 0.06, "pivot": (0.07, 0)}, ["lift is in m over rad; give rad over an angle"]),
+        (
+            {"lift": DEGREES, "arm": 0.06, "offset": 0.02, "roller_radius": -1},
+            [
+                "roller_radius is -1",
+                "pivot: None is not 2 values",
+                "offset= is of a roller that sl",
+            ],
+        ),
+        ({"lift": DEGREES, "pivot": (0.07, 0)}, ["arm is missing; give it in m"]),
+        ({"lift": DEGREES, "arm": 0.01, "pivot": (0.09, 0)}, ["reaches no base circle"]),
+        ({"lift": DEGREES, "arm": 0, "pivot": (0.09, 0)}, ["reaches no base circle"]),
+    ],
+)
+def test_cams_that_cannot_be_are_refused(words: dict[str, Any], messages: list[str]) -> None:
+    _, cam, _ = bodies()
+    given = {"lift": LIFTS, "base_radius": BASE, "roller_radius": ROLLER, **words}
+    with pytest.raises(ModelError) as caught:
+        roller_cam(cam, **given)
+    for message in messages:
+        assert message in str(caught.value)
+
+
+def test_a_cam_that_parameters_make_impossible_has_no_points() -> None:
+    model, cam, _ = bodies()
+    base = model.parameter("base", BASE, unit="m")
+    profile = roller_cam(cam, LIFTS, base, ROLLER, OFFSET)
+    for method in (profile.points, profile.undercut):
+        with pytest.raises(ModelError, match="has no finite values: the follower does not reach"):
+            method(parameters={"base": -0.009})
+
+
 def test_points_are_in_the_axes_of_the_drawing() -> None:
     model = Model("plates")
     plate = [(0, 0), (0.1, 0), (0.1, 0.05), (0, 0.05)]
@@ -211,6 +257,8 @@ def test_open_paths_and_mistakes(tmp_path: Path) -> None:
     write_path(tmp_path / "path.dxf", path)
     with pytest.raises(ModelError, match=r"path\.dxf has a line or contour that is open"):
         read_outline(tmp_path / "path.dxf")
+    straight = write_path(tmp_path / "line.svg", path[:2]).read_text(encoding="utf-8")
+    assert 'viewBox="0 0 100.0 0.3"' in straight  # an empty box is not drawn
     with pytest.raises(ModelError, match=r"path\.png: a path is written into a file that"):
         write_path(tmp_path / "path.png", path)
     with pytest.raises(ModelError, match=r"path\.svg: a path is an array of finite x and y"):

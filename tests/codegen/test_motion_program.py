@@ -8,7 +8,7 @@ import pytest
 import sympy
 from numpy.testing import assert_allclose
 
-from codegen import ModelError, alpha, fourier_series, motion_program, t
+from codegen import InputError, ModelError, alpha, fourier_series, motion_program, t
 from codegen.declare.symbols import Parameter, coordinate
 from codegen.tables.motion_laws import SHAPES
 
@@ -153,6 +153,26 @@ def test_s_curve_keeps_its_limits(
     assert_allclose(np.trapezoid(speed, at), 0.3, rtol=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("law", "limits"),
+    [
+        ("S-curve", (0.01, 1.0, 100.0)),
+        ("S-curve", (1e-4, 1.0, 100.0)),
+        ("S-curve", (1e-5, 1.0, 100.0)),
+        ("trapezoidal", (1e-4, 1.0)),
+    ],
+)
+def test_slow_moves_end_as_they_begin(law: str, limits: tuple[float, ...]) -> None:
+    """Ramps that are a millionth of the move keep their digits: s(T - x) = h - s(x)."""
+    move = motion_program([(None, 1, law)], units=("s", "m"), limits=limits, periodic=False)
+    ramp = 2 * limits[0] / limits[1] + limits[0] / (limits[2] if limits[2:] else 1.0)
+    at = np.linspace(0.0, ramp, 101)
+    assert_allclose(move.values(move.length - at), 1 - move.values(at), rtol=0, atol=1e-14)
+    rounding = 1e-15 * move.length * limits[1]
+    assert_allclose(move.values(move.length - at, 1), move.values(at, 1), rtol=0, atol=rounding)
+    assert_allclose(move.values(move.length / 2, 1), limits[0], rtol=1e-13)
+
+
 def test_trapezoidal_speed_profile() -> None:
     moves = [(None, 300, "trapezoidal"), (0.5, 300), (None, 290, "trapezoidal")]
     units = ("s", "mm")
@@ -173,6 +193,22 @@ def test_fourier_series() -> None:
     assert fourier_series(t, sines=[2], period=0.5) == 2 * sympy.sin(2 * sympy.pi * t / 0.5)
 
 
+@pytest.mark.parametrize(
+    "words", [{"mean": "1 N"}, {"cosines": 0.5}, {"sines": ["0.5 N"]}, {"period": 0}]
+)
+def test_wrong_fourier_series_are_refused(words: dict[str, object]) -> None:
+    with pytest.raises(ModelError, match=r"mean, cosines, sines and period are .*; write 1\.0"):
+        fourier_series(t, **words)
+
+
+def test_values_take_plain_numbers() -> None:
+    program = motion_program([(1, 1, "cycloid")], units=("s", "m"), periodic=False)
+    with pytest.raises(ModelError, match=r"over 1 s: '90 deg': give plain numbers, in SI units"):
+        program.values("90 deg")
+    with pytest.raises(InputError, match=r"order is True; it must be a whole number from 0"):
+        program.values(0.5, True)
+
+
 U = {"units": ("deg", "mm")}
 RISE, FALL = (100, 12, "cycloid"), (260, 0, "cycloid")
 
@@ -189,6 +225,7 @@ RISE, FALL = (100, 12, "cycloid"), (260, 0, "cycloid")
         ([("3 kg", 12, "cycloid"), FALL], U, r"moves\[0\], length: 3 kilogram has the dimension"),
         ([RISE, (260, "x", "cycloid")], U, r"moves\[1\], value: 'x' is neither a number nor an"),
         ([(None, 12, "S-curve"), FALL], U, r"3 limits= that decide how long it takes, speed, acce"),
+        ([(None, 1, "trapezoidal")], {"limits": (1e-9, 1e3), "periodic": False}, "takes 1e12 time"),
         ([(1, 12, "trapezoidal"), FALL], {**U, "limits": (1, 2)}, r"write \(None, value, 'trapez"),
         ([RISE, FALL], {**U, "limits": (1, -2)}, r"limits\[1\] is -2; give a number that is more"),
         ([RISE, FALL], {"units": ("foo", "m")}, r"units=\('foo', 'm'\), limits=\(\); write \[\(1"),

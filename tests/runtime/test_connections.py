@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from sympy import Not, cos, pi, sin
 
 from codegen import Model, build, t
-from codegen.errors import ModelError
+from codegen.errors import AnalysisError, ModelError
 from runtime import load, load_result
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
@@ -130,6 +130,19 @@ def test_scenes_of_joints_that_come_and_go() -> None:
     model.scene("runs")
     names = ["runs", "runs_without_first", "runs_with_second", "runs_without_first_with_second"]
     assert sorted(model.scenes) == sorted(names)
+
+
+@pytest.mark.parametrize("analysis", ["kinematics", "inverse_dynamics"])
+def test_prescribed_motions_refuse_joints_that_come_and_go(workshop: Path, analysis: str) -> None:
+    model = Model("driven_and_cut", gravity=(0, -G))
+    arm, cargo = model.body("arm", 1.0, 0.1), model.body("load", 1.0, 0.1)
+    model.revolute("pin", model.ground, arm.at(-0.5, 0))
+    model.release(model.weld("hold", arm.at(0.5, 0), cargo.at(-0.5, 0)), when=t > 0.5)
+    model.driver("turn", arm.phi, t)
+    model.scene("run", ["gravity"], ["turn"], guess={arm.x: 0.5, cargo.x: 1.5})
+    machine = load(model, folder=workshop)
+    with pytest.raises(AnalysisError, match=r"cannot release or engage hold; simulate\."):
+        getattr(machine, analysis)(1.0, 11)
 
 
 def test_wrong_joints_that_come_and_go() -> None:

@@ -51,6 +51,15 @@ def test_results_are_those_of_a_point_of_another_name(
     assert_array_equal(shared.reaction("C", "fy"), shared.force("C", "fy"))
 
 
+def test_the_text_of_a_result_has_the_joint_beside_the_point(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    lines = repr(load(linkage("C", outputs=["default", "points"])).simulate(1.0, 11)).splitlines()
+    assert "  reactions    A, C, drive (N, N m)" in lines
+    assert "  points       C (m)" in lines
+
+
 def test_files_and_pictures_keep_the_two_apart(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

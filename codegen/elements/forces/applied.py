@@ -13,6 +13,7 @@ from codegen.drawing import shapes
 from codegen.elements.registry import element
 from codegen.elements.scalar_measures import (
     SpanMeasures,
+    along_scalar,
     distance_and_rate,
     line_problems,
     same_body,
@@ -247,6 +248,10 @@ class LineForce(SpanMeasures, Effect):
     def exerting(self, value: sympy.Expr) -> "LineForce":
         """The force of that value."""
         return replace(self, value=value)
+
+    def measures(self, bodies: Bodies) -> Measures:
+        """ℓ, ℓ̇ and f."""
+        return along_scalar(self.length, "m", self.value)
 
     def problems(self) -> list[str]:
         """Two points that keep their distance, and a force that is none."""
