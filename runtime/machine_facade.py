@@ -237,8 +237,8 @@ class Machine(MachineStates):
     def kinematics(
         self, t_end: "float | npt.ArrayLike | None" = None,
         t_eval: "npt.ArrayLike | int | None" = None, *, parameters: Values | None = None,
-        guess: Values | None = None, start: Values | None = None, t_start: float = 0.0,
-        progress: bool = True,
+        guess: Values | None = None, start: "Assembly | State | Result | Values | None" = None,
+        t_start: float = 0.0, progress: bool = True,
     ) -> "Result":  # fmt: skip
         """Positions, velocities and accelerations of a machine whose drivers leave no freedom.
 
@@ -256,7 +256,8 @@ class Machine(MachineStates):
         parameters, guess, start
             Parameter values by name, SI units or texts, ``"45 mm"``, in place of the defaults.
             Values by name of coordinate or velocity in place of the scene's, as for `simulate`: the
-            search for the start begins at `guess` and keeps `start`.
+            search for the start begins at `guess` and keeps `start`. Or `start` is a state, such as
+            one of `assembly_modes`, on whose branch the motion begins, at its instant.
         t_start
             Instant in s to which the start values belong. The machine is assembled there and
             followed to the first output instant, so that it stays on the branch on which it starts.
@@ -285,9 +286,9 @@ class Machine(MachineStates):
     def inverse_dynamics(
         self, t_end: "float | npt.ArrayLike | None" = None,
         t_eval: "npt.ArrayLike | int | None" = None, *, parameters: Values | None = None,
-        guess: Values | None = None, start: Values | None = None, t_start: float = 0.0,
-        unknown: "Sequence[str] | None" = None, weights: "Mapping[str, float] | None" = None,
-        progress: bool = True,
+        guess: Values | None = None, start: "Assembly | State | Result | Values | None" = None,
+        t_start: float = 0.0, unknown: "Sequence[str] | None" = None,
+        weights: "Mapping[str, float] | None" = None, progress: bool = True,
     ) -> "Result":  # fmt: skip
         """Forces and torques that a prescribed motion requires, and the reactions in the joints.
 
@@ -331,7 +332,8 @@ class Machine(MachineStates):
         word, t_end = analyse.__name__, given.pop("t_end")
         require_motion(self.mechanism, word)
         refuse_states(self.mechanism, word)
-        given = check(self.mechanism, given, start_has_values=True)
+        given = check(self.mechanism, given)
+        given["t_start"] = getattr(given["start"], "t", given["t_start"])  # of a state its own
         times = instants_of_motion(t_end, given.pop("t_eval"), given["t_start"], word)
         title = f"{word.replace('_', ' ')} of {self.mechanism.title}"
         with bar(title, given.pop("progress")) as report:

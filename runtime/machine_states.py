@@ -24,6 +24,8 @@ from runtime.validation.arguments import check, parameter_values
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from runtime.assembly.assembly_modes import AssemblyModes
+    from runtime.continuation.motion_limits import MotionLimits
     from runtime.results.assembled_state import Assembly, State
     from runtime.results.result import Result
 
@@ -294,3 +296,59 @@ class MachineStates:
 
         equations = Equations(self.mechanism, self.parameter_values(given["parameters"]))
         return assemble(equations, given["t"], given["guess"], given["start"])
+
+    @shows_compilation
+    def assembly_modes(
+        self, t: float = 0.0, *, start: Values | None = None, parameters: Values | None = None
+    ) -> "AssemblyModes":
+        """All positions in which the joints close at time t; whole turns make no other position.
+
+        Each is an assembled state as `start=` and `draw` take it, with signs that distinguish it.
+
+        Parameters
+        ----------
+        t, start, parameters
+            As for `assemble`. Start values with the role "fixed" and those of `start` are held:
+            they must hold all freedom that the drivers leave.
+
+        Raises
+        ------
+        AnalysisError, AssemblyError, InputError, RedundancyError
+            If freedom is left, or the machine has 300 coordinates or more; as `assemble`.
+        """
+        given = check(self.mechanism, locals(), start_has_values=True)
+        from runtime.assembly.assembly_modes import assembly_modes
+        from runtime.mechanism.dense_equations import Equations
+
+        equations = Equations(self.mechanism, self.parameter_values(given["parameters"]))
+        return assembly_modes(equations, given["t"], given["start"])
+
+    @shows_compilation
+    def limits(
+        self, coordinate: str, *, start: Values | None = None, parameters: Values | None = None,
+        t: float = 0.0,
+    ) -> "MotionLimits":  # fmt: skip
+        """How far a coordinate moves, where it turns back, dead centres and change points.
+
+        Its drivers are released, or all if it has none: one degree of freedom must be left.
+
+        Parameters
+        ----------
+        coordinate
+            Name of a coordinate, "crank.phi".
+        start, parameters, t
+            As for `assemble`: the motion goes through this start, with laws of time frozen at t.
+
+        Raises
+        ------
+        AnalysisError, AssemblyError, InputError, RedundancyError
+            If other freedom is left, motions meet at the start or do not close; as `assemble`.
+        """
+        given = check(self.mechanism, locals(), start_has_values=True)
+        from runtime.assembly.assemble import assemble
+        from runtime.continuation.motion_limits import motion_limits
+        from runtime.mechanism.dense_equations import Equations
+
+        equations = Equations(self.mechanism, self.parameter_values(given["parameters"]))
+        begin = assemble(equations, given["t"], None, given["start"])
+        return motion_limits(equations, begin, given["coordinate"])

@@ -149,7 +149,7 @@ def joints_at_one_point(model: Model) -> tuple[str, ...]:
     found = []
     for body, joints in _joints_of_bodies(model, ()):
         pins = [name for name in joints if model.joints[name].kind == "revolute"]
-        places = [place for name in pins for place in _places(model, name, body)]
+        places = [place for name in pins for place in places_on(model, name, body)]
         size = max((float(np.hypot(*place)) for place in places), default=0.0)
         if len(places) == len(joints) > 1 and float(np.ptp(places, axis=0).max()) <= _SAME * size:
             x, y = places[0]
@@ -169,7 +169,7 @@ def _joints_of_bodies(
             yield body, tuple(name for name, j in acting.items() if body in j.bodies)
 
 
-def _places(model: Model, joint: str, body: Body) -> Iterator[tuple[float, float]]:
+def places_on(model: Model, joint: str, body: Body) -> Iterator[tuple[float, float]]:
     """The points of a body that a joint is attached to, m, where they are numbers."""
     for point in vars(model.joints[joint]).values():
         if isinstance(point, Point) and point.body is body:

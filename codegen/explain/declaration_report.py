@@ -12,6 +12,7 @@ from typing import Any
 
 from codegen.assembled_start import assembled_start
 from codegen.check.declaration import check_model
+from codegen.check.four_bars import four_bars
 from codegen.check.kinematics import Findings, joints_at_one_point, one_joint_bodies
 from codegen.check.scene import check_scene
 from codegen.derive.equations import Equations
@@ -45,6 +46,8 @@ class SceneFacts:
     coordinates: int
     constraints: int
     degrees_of_freedom: int  # redundant constraints take no freedom away
+    mobility: tuple[int, int]  # of joints without drivers: by Grübler's count, by rank
+    four_bars: tuple[str, ...]  # Grashof's class of each loop of four links
     drivers: tuple[str, ...]
     notes: tuple[str, ...]  # sentences about redundant constraints, and a start far from its guess
     gap: float | None  # the largest residual at the start, m or rad; None where joints are open
@@ -134,6 +137,8 @@ def _facts(model: Model, equations: Equations, lowered: Lowered, found: Findings
     left_out = tuple(n for n, kind in rows if kind != TRACKED or n not in model.joints)
     texts = "\n".join(switch.text for switch in equations.switches)
     gap, moved, notes, problem = None, list[Moved](), found.notes, ""
+    driven = sum(len(c.statement.rows) for c in equations.constraints if c.driver)
+    by_rank = found.degrees_of_freedom + driven
     try:
         start = assembled_start(lowered)
     except InputError as error:
@@ -149,7 +154,8 @@ def _facts(model: Model, equations: Equations, lowered: Lowered, found: Findings
         ]
     return SceneFacts(
         equations.scene.name, equations.scene.analysis, equations.bodies, found.coordinates,
-        found.constraints, found.degrees_of_freedom,
+        found.constraints, found.degrees_of_freedom, (by_rank - found.redundant, by_rank),
+        four_bars(model, left_out),
         tuple(c.name for c in equations.constraints if c.driver), notes,
         gap, tuple(moved), problem, left_out, equations.unused,
         tuple(words for _, words in equations.labels if words.partition(" / ")[0] not in texts),

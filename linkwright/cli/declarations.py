@@ -192,6 +192,8 @@ def _rows(scene: "SceneFacts") -> list[tuple[str, str]]:
     found = {
         "bodies": ", ".join(scene.bodies),
         "equations": f"{sizes(scene)}; {redundant} redundant",
+        "mobility": "{} by Grübler's count, {} by the rank of Φ_q".format(*scene.mobility),
+        "four-bar": "; ".join(scene.four_bars),
         "assembly": _assembly(scene),
         "one joint": ", ".join(ends) if scene.degrees_of_freedom else "",
         "left out": "; ".join([*([", ".join(left_out)] if left_out else []), *parameters]),

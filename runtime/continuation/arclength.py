@@ -77,6 +77,11 @@ class Curve:
         entries = self.constraints.entries(t, q, 1.0 / self.rate)
         return self.constraints.dense(entries) / self.lengths[:, None]
 
+    def gaps(self, z: FloatArray) -> FloatArray:
+        """Phi, in units of the same rows, shape (m,)."""
+        gaps: FloatArray = self.constraints.gaps(*self.position(z)) / self.lengths
+        return gaps
+
     def narrowness(self, point: Point) -> float:
         """The smallest singular value of Phi_q."""
         return float(np.linalg.svd(self.matrix(point.z)[:, :-1], compute_uv=False)[-1])
@@ -95,8 +100,7 @@ class Curve:
         z = start.z + h * start.tangent
         before = np.inf
         for _ in range(_ITERATIONS):
-            t, q = self.position(z)
-            right = np.append(-self.constraints.gaps(t, q) / self.lengths, 0.0)
+            right = np.append(-self.gaps(z), 0.0)
             square = np.vstack([self.matrix(z), start.tangent])
             if not (np.isfinite(square).all() and np.isfinite(right).all()):
                 return None
@@ -135,7 +139,7 @@ class Curve:
                     return Trace(pieces, False, True)
                 continue
             if ahead * there.tangent[-1] <= 0.0:
-                s = self._locate(point, h, lambda there: float(there.tangent[-1]))
+                s = self.locate(point, h, lambda there: float(there.tangent[-1]))
                 pieces.append(Piece(point, s, self.across(point, s) or there))
                 return Trace(pieces, True, False)
             pieces.append(Piece(point, h, there))
@@ -148,10 +152,10 @@ class Curve:
 
     def at_time(self, piece: Piece, t: float) -> Point:
         """The point of a piece at the instant t, which lies within it."""
-        s = self._locate(piece.start, piece.h, lambda there: float(there.z[-1]) - t * self.rate)
+        s = self.locate(piece.start, piece.h, lambda there: float(there.z[-1]) - t * self.rate)
         return self.across(piece.start, s) or piece.end
 
-    def _locate(self, start: Point, h: float, function: Callable[[Point], float]) -> float:
+    def locate(self, start: Point, h: float, function: Callable[[Point], float]) -> float:
         """Length from `start` at which a function, of the other sign at `h`, of points vanishes.
 
         Regula falsi with the Illinois rule, a bisection every fourth time: it ends with neighbours.

@@ -38,7 +38,7 @@ from runtime.integrate.problem import Options, Passage
 from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
 from runtime.mechanism.mechanism import Mechanism, Numbers
 from runtime.progress_bar import Progress, silent
-from runtime.results.assembled_state import Assembly
+from runtime.results.assembled_state import Assembly, State
 from runtime.results.motion_at_instants import Motion
 from runtime.results.result import Result
 from runtime.results.run_records import Event
@@ -52,8 +52,8 @@ _DIRECTIONS = {"crossing": int(Direction.CROSSED), "lock-up": int(Direction.LOCK
 
 def kinematics(
     mechanism: Mechanism, t_eval: npt.ArrayLike, *, parameters: Numbers | None = None,
-    guess: Numbers | None = None, start: Numbers | None = None, t_start: float = 0.0,
-    progress: Progress = silent, analysis: str = "kinematics",
+    guess: Numbers | None = None, start: Assembly | State | Numbers | None = None,
+    t_start: float = 0.0, progress: Progress = silent, analysis: str = "kinematics",
 ) -> Result:  # fmt: skip
     """Kinematics of `Machine.kinematics`; `analysis` names the analysis in messages."""
     began = clock.perf_counter()
@@ -61,10 +61,12 @@ def kinematics(
     times = instants(t_eval)
     p = parameter_values(mechanism, parameters)
     equations = Equations(mechanism, p)
+    if isinstance(start, Assembly):
+        start = State(start.t, start.q, start.v, start.coordinates)
     begin = assemble(equations, t_start, guess, start)
     _require_driven(mechanism, begin, analysis)
     equations = suited_equations(equations, begin)
-    preferred = start_values(mechanism, guess, start).v
+    preferred = (start if isinstance(start, State) else start_values(mechanism, guess, start)).v
     asked = _asked(equations, analysis)
     motion, kinks, behind = _follow_past_kinks(asked, times, begin, preferred, progress, times)
     motion = end_motion_at_kink(

@@ -292,6 +292,7 @@ KINDS: dict[str, Reader] = {
     **dict.fromkeys(("method", "formulation"), optional(readers.text("a name"))),
     **dict.fromkeys(("max_steps", "threads"), optional(readers.count(1))),
     "max_bytes": readers.count(1),
+    "coordinate": readers.text("the name of a coordinate"),
     "out": optional(readers.path),
     **dict.fromkeys(("progress", "dimensions", "forces", "frames", "names"), readers.flag),
     "controllers": optional(readers.functions('{"u": lambda sample: 2.0 * sample.t}')),
