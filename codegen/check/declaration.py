@@ -144,10 +144,7 @@ def body_problems(model: "Model", body: Body, known: frozenset[sympy.Symbol]) ->
 
 
 def _check_returned(body: Body, known: frozenset[sympy.Symbol]) -> None:
-    """Ask a body of a modeller's own everything that is asked of bodies; ModelError if wrong.
-
-    Its expressions consist of the `known` symbols.
-    """
+    """Ask a body of a modeller's own, in `known` symbols, all that bodies are asked; ModelError."""
 
     def sound(value: Any) -> sympy.Expr:
         checked = expression(value)

@@ -56,11 +56,7 @@ _Row = Callable[[Integers, int], Vector]
 
 
 def _row(array: str, count: int, factor: int, part: int | None, **named: int) -> _Row:
-    """What takes a row out of an array in the table, or a part of it.
-
-    Rows have `factor` parts, each as long as the number in slot `count`.
-    The rows `named` become attributes of `context`.
-    """
+    """What takes a row of `factor` parts, or one, out of an array; those `named` are attributes."""
     return cast(_Row, row_at(TABLE.slots[array], count, factor, part, **named))
 
 

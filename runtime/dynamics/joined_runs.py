@@ -106,10 +106,7 @@ def _one_after_another(
     parts: Iterable[tuple[Result, Samples, Mapping[str, FloatArray]]], description: Description,
     names: Iterable[str],
 ) -> Found:  # fmt: skip
-    """Samples and works of parts that follow one another, in the tables of all of them.
-
-    What does not act exerts nothing, and works go on from those at the end of the part before.
-    """
+    """Samples and works of parts in a row: what does not act exerts nothing, and works go on."""
     tables, works, before = [], [], dict.fromkeys(names, 0.0)
     for one, samples, found in parts:
         tables.append(_in_tables(one.description, description, samples))

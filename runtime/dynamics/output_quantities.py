@@ -331,11 +331,7 @@ def wire_mixing(mechanism: Mechanism, p: Vector) -> Wiring:
 
 
 def _overwrite_sliding(equations: Equations, samples: Samples) -> None:
-    """Overwrite accelerations, multipliers, reactions and powers where a function is in mode 2.
-
-    `share` receives Filippov's share α of each function in mode 2 (0: the force of its mode 0, 1:
-    that of mode 1).
-    """
+    """Overwrite what depends on accelerations in mode 2, and `share`: 0 is mode 0, 1 is mode 1."""
     mechanism = equations.mechanism  # whose equations other threads may share
     wiring, start = wire_mixing(mechanism, equations.p), start_table(mechanism)
     diagonal = equations.description.mass_diagonal

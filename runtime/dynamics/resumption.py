@@ -224,10 +224,7 @@ def _behind(
     run: Trajectory, kept: Checkpoint | None, first: float, told: float,
     times: FloatArray | None, works: bool,
 ) -> Trajectory:  # fmt: skip
-    """What a run did from an instant on, with its samples at `times`; None: the ends of steps.
-
-    Events up to the instant `told`, s, are left out.
-    """
+    """What a run did from an instant on, events after `told`; samples at `times`, None: steps."""
     rows = np.arange(len(run.t))
     if works:  # of a quadrature the ends of intervals; from a checkpoint there is no first one
         rows = rows[0 if kept is None else INTERVAL - 1 :: INTERVAL]

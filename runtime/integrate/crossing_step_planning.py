@@ -73,10 +73,7 @@ def _balanced(known: Vector, g: float, usual: float) -> float:
 
 @compiled(none(matrix, vector, f8, f8, vector))
 def _choose(gaps: Matrix, known: Vector, ahead: float, usual: float, out: Vector) -> None:
-    """The step across that errs least, of those that begin the time `ahead` before; inf: of all.
-
-    `gaps` has shape (k, 2).
-    """
+    """The step across that errs least, of those that begin `ahead` s before, inf: of all (k, 2)."""
     out[5] = np.inf
     for k in range(gaps.shape[0]):
         middle, g = 0.5 * (gaps[k, 0] + gaps[k, 1]), 0.5 * (gaps[k, 1] - gaps[k, 0])

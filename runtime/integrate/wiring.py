@@ -87,10 +87,7 @@ def _parts() -> dict[str, Any]:
 
 @addressed(i8())
 def _refuse() -> int:
-    """What stands in the slot of a part that a machine has no use for.
-
-    A caller's arguments, of whatever number, are its own matter in the C convention of calls.
-    """
+    """What stands in the slot of an unused part; in C a call may have any arguments."""
     raise RuntimeError("a part of the loop was called that the table of this machine leaves out")
 
 
