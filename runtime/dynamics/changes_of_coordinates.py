@@ -197,7 +197,7 @@ class Changes:
         self.patience *= 2
 
     def _is_safe(self, t: float, q: Vector, v: Vector, least: float, ahead: float) -> bool:
-        """Whether all loops stay off dead centres for `ahead` s: ρ² above `least` of its largest."""
+        """Whether loops stay off dead centres for `ahead` s: ρ² above `least` of its largest."""
         if not self.largest.size:
             return True
         square, rate, size = self.taken.squares(t, q, v)
