@@ -3,8 +3,10 @@
 read      model file            → Model                   (codegen.reading.model_file)
 check     Model, Scene          → problems, all at once   (codegen.check.declaration)
 derive    Model, Scene          → Equations               (codegen.derive)
-lower     Equations             → Lowered program         (codegen.lower)
-examine   the above             → redundant constraints   (codegen.check.kinematics)
+lower     Equations             → outline: constraints    (codegen.lower)
+examine   outline               → redundant constraints, and rows for them
+                                     (codegen.check.kinematics, codegen.check.shared_rows)
+lower     outline, rows         → Lowered program         (codegen.lower)
 emit      Lowered               → text                    (codegen.emit)
 accompany Lowered               → text of derivatives, of reduced equations
                                      (codegen.generated_files.companions), if asked for
@@ -22,6 +24,7 @@ from typing import Any, get_args
 import codegen
 from codegen.assembled_start import assembled_module
 from codegen.check.kinematics import Findings, examine
+from codegen.check.shared_rows import shared_rows
 from codegen.declare.returned_values import memoize_methods
 from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
@@ -40,7 +43,7 @@ from codegen.generated_files.generated_file import (
     compile_modules,
 )
 from codegen.generated_files.provenance import default_folder, generated_path, origin, record
-from codegen.lower.lowered_scene import Lowered, lower
+from codegen.lower.lowered_scene import Lowered, lower, outline
 from codegen.model import Model
 from codegen.readers import arguments as readers
 from codegen.readers.calls import unreadable
@@ -205,20 +208,23 @@ def _emit(
 
 
 def translate(model: Model, scene: Scene, clock: Clock) -> tuple[Equations, Lowered, Findings]:
-    """Derive, lower and examine one scene."""
+    """Derive, examine and lower one scene."""
     try:
         with clock("derive"):
             equations = derive(model, scene)
         with clock("lower"):
-            lowered = lower(equations)
+            drawn = outline(equations)
         with clock("examine"):
-            findings = examine(model, equations, lowered)
+            findings = examine(model, equations, drawn)
+            if findings.problems:
+                raise ModelError(findings.problems)
+            shared = shared_rows(drawn, findings.dependent) if findings.dependent else ()
+        with clock("lower"):
+            lowered = lower(equations, shared, drawn.scene)
     except LinkwrightError:
         raise
     except Exception as error:
         *_, stage = clock.seconds
         what = f"scene '{scene.name}', at the stage {stage}: {unreadable(error)}"
         raise ModelError(what) from error
-    if findings.problems:
-        raise ModelError(findings.problems)
     return equations, lowered, findings

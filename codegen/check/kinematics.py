@@ -35,7 +35,7 @@ class Findings(NamedTuple):
 
     coordinates: int  # without states
     constraints: int
-    redundant: int  # number of constraints that follow from others
+    dependent: tuple[int, ...]  # constraints that follow from others
     problems: tuple[str, ...] = ()  # drivers that have nothing left to drive
     notes: tuple[str, ...] = ()
     """Joints that repeat each other: a run bears with them while their parameters agree."""
@@ -43,15 +43,16 @@ class Findings(NamedTuple):
     @property
     def degrees_of_freedom(self) -> int:
         """Redundant constraints take none away."""
-        return self.coordinates - self.constraints + self.redundant
+        return self.coordinates - self.constraints + len(self.dependent)
 
 
 def examine(model: Model, equations: Equations, lowered: Lowered) -> Findings:
     """Look for constraints that are too many near the start values."""
     rows = [(c, row) for c in equations.constraints for row in c.statement.rows]
-    dependent = [rows[i] for i in _least_dependent(Poses(lowered))] if rows else []
+    numbers = tuple(_least_dependent(Poses(lowered))) if rows else ()
+    dependent = [rows[i] for i in numbers]
     positions = len(equations.coordinates) - len(equations.states)
-    found = Findings(positions, len(rows), len(dependent))
+    found = Findings(positions, len(rows), numbers)
     if not dependent:
         return found
     redundant = ", ".join(f"{c.name}.{row} ({c.kind})" for c, row in dependent)
@@ -71,9 +72,8 @@ def examine(model: Model, equations: Equations, lowered: Lowered) -> Findings:
             problem = f"{head} Joints {both} hold the same bodies: remove one of them."
         return found._replace(problems=(problem,))
     note = (
-        f"{head} The scene runs as long as its parameters let them agree, at some cost, and "
-        f"reactions of joints that share a load are not unique. Remove or relax {names} to "
-        f"avoid both."
+        f"{head} The scene runs as long as its parameters let them agree, and reactions of joints "
+        f"that share a load are not unique. Remove or relax {names} to make them so."
     )
     return found._replace(notes=(note,))
 
@@ -84,25 +84,26 @@ def _least_dependent(poses: Poses) -> list[int]:
     Of as many, the last ones: at a singular position an earlier row depends on others by chance.
     A probe without any is the last one.
     """
-    probes = []
+    probes, start = [], poses.start()
+    near = poses.guess if start is None else start[0]
     for k in range(PROBES):
-        probes.append(_dependent_rows(_jacobian_near(poses, k)))
+        probes.append(_dependent_rows(_jacobian_near(poses, near, k)))
         if not probes[-1]:
             break
     return min(probes, key=lambda rows: (len(rows), [-i for i in rows]))
 
 
-def _jacobian_near(poses: Poses, probe: int) -> Any:
+def _jacobian_near(poses: Poses, near: Array, probe: int) -> Any:
     """Φ_q in units of the machine's size, where the constraints hold; sparse for a large machine.
 
     Where they do not, the position that comes nearest is singular, as a rod that is stretched after
     what it cannot reach: Φ_q is that of the place where the search began.
     """
     random = np.random.default_rng(probe)
-    shift = (0.0 if probe == 0 else 0.1) * poses.unit * random.standard_normal(len(poses.guess))
-    q, jacobian = poses.closed_near(poses.guess + shift)
+    shift = (0.0 if probe == 0 else 0.1) * poses.unit * random.standard_normal(len(near))
+    q, jacobian = poses.closed_near(near + shift)
     if not poses.holds(q):
-        jacobian = poses.scaled(poses.jacobian(poses.guess + shift), poses.unit)
+        jacobian = poses.scaled(poses.jacobian(near + shift), poses.unit)
     if is_finite(jacobian):
         return jacobian
     if isinstance(jacobian, np.ndarray):

@@ -154,7 +154,7 @@ def _facts(model: Model, equations: Equations, lowered: Lowered, found: Findings
         ]
     return SceneFacts(
         equations.scene.name, equations.scene.analysis, equations.bodies, found.coordinates,
-        found.constraints, found.degrees_of_freedom, (by_rank - found.redundant, by_rank),
+        found.constraints, found.degrees_of_freedom, (by_rank - len(found.dependent), by_rank),
         four_bars(model, left_out),
         tuple(c.name for c in equations.constraints if c.driver), notes,
         gap, tuple(moved), problem, left_out, equations.unused,

@@ -8,12 +8,14 @@ from pathlib import Path
 from codegen.declare.element import Constraint, Effect
 from codegen.declare.returned_values import friction_law, replaced_body
 from codegen.declare.scene import Scene
-from codegen.derive.equations import derive, parts_of
+from codegen.derive.equations import parts_of
+from codegen.driver import translate
 from codegen.emit.kernel import Arguments
 from codegen.emit.module import LONGEST, kernel_texts, statements
 from codegen.emit.rolled_kernel import RolledKernelText
 from codegen.errors import InputError
 from codegen.explain import operations_by_part as costs
+from codegen.generated_files.generated_file import Clock
 from codegen.lower.lowered_scene import Lowered
 from codegen.model import Model
 from codegen.model.base import TRACKED
@@ -315,13 +317,13 @@ def explain(
     file = read_model(model)
     ledgers = []
     for chosen in valid_scenes(file.model, scene):
-        progress(f"{file.model.name}, scene {chosen.name}: deriving")
         if t_end is not None and (file.path is None or chosen.root is not None):
             raise InputError(
                 f"scene '{chosen.name}' is not declared in a file, and a run needs the names of "
                 "both; declare the scene, or explain it without a run."
             )
-        ledger, programs = _ledger(file.model, chosen)
+        clock = Clock({}, progress, f"{file.model.name}, scene {chosen.name}")
+        ledger, programs = _ledger(file.model, chosen, clock)
         if measure or t_end is not None:
             from codegen.explain.element_times import with_times  # numba only to time something
 
@@ -330,10 +332,10 @@ def explain(
     return tuple(ledgers)
 
 
-def _ledger(model: Model, scene: Scene) -> tuple[Ledger, tuple[Lowered, ...]]:
+def _ledger(model: Model, scene: Scene, clock: Clock) -> tuple[Ledger, tuple[Lowered, ...]]:
     """A ledger without times, and the programs that it is made from."""
-    equations = derive(model, scene)
-    programs = costs.cumulative_programs(equations)
+    equations, lowered, _ = translate(model, scene, clock)
+    programs = costs.cumulative_programs(lowered)
     counts = costs.operations_by_part(programs)
     totals = costs.operations_of(programs[-1])
     parts = []

@@ -17,7 +17,6 @@ from collections.abc import Collection
 from dataclasses import replace
 from typing import NamedTuple
 
-from codegen.derive.equations import Equations
 from codegen.lower.lowered_scene import Lowered, lower
 from codegen.lower.operation_count import by_element, operations
 from codegen.lower.program import Kernel, Output, Program
@@ -47,14 +46,17 @@ def marginal_operations(lowered: Lowered, effect: str) -> dict[str, int]:
     else needs. The number is negative where the
     effect saves the others work, as a term that cancels another.
     """
-    rest = operations_of(lower(lowered.scene.equations.without_effect(effect)))
+    equations = lowered.scene.equations.without_effect(effect)
+    rest = operations_of(lower(equations, lowered.shared))
     return {name: count - rest.get(name, 0) for name, count in operations_of(lowered).items()}
 
 
-def cumulative_programs(equations: Equations) -> tuple[Lowered, ...]:
+def cumulative_programs(whole: Lowered) -> tuple[Lowered, ...]:
     """The scene with none of its effects, with the first, with the first two … with all."""
+    equations = whole.scene.equations
     effects = equations.effects
-    return tuple(lower(equations.with_effects(effects[:k])) for k in range(len(effects) + 1))
+    fewer = (equations.with_effects(effects[:k]) for k in range(len(effects)))
+    return (*(lower(part, whole.shared) for part in fewer), whole)
 
 
 def operations_by_part(programs: tuple[Lowered, ...]) -> Counts:

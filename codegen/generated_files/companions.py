@@ -119,7 +119,7 @@ def _outputs(lowered: Lowered, provenance: Origin, module: str) -> tuple[Program
     scene = lowered.scene.equations.scene
     words = (DEFAULT, *(word for word in OF_ANALYSIS[scene.analysis] if word != "works"))
     named = replace(scene.with_(outputs=words), name=scene.name)
-    whole = lower(derive(cast(Model, scene.owner), named))
+    whole = lower(derive(cast(Model, scene.owner), named), lowered.shared)
     return whole.program, module_text(whole, provenance, module)
 
 

@@ -23,7 +23,7 @@ Progress = Callable[[str], None]
 class Clock:
     """Times the stages of one scene, and announces them."""
 
-    seconds: dict[str, float]  # stage → wall time
+    seconds: dict[str, float]  # stage → wall time; the latest is the last
     progress: Progress
     title: str  # model and scene, for the announcements
 
@@ -35,7 +35,7 @@ class Clock:
         try:
             yield
         finally:
-            self.seconds[stage] = perf_counter() - started
+            self.seconds[stage] = self.seconds.pop(stage, 0.0) + perf_counter() - started
 
 
 @dataclass(kw_only=True)

@@ -5,11 +5,16 @@ from dataclasses import dataclass
 from codegen.derive.equations import Equations, tracked_points
 from codegen.derive.watched_functions import PeakedFunction, kinks, peaked_functions
 from codegen.garbage_collection import collection_paused
-from codegen.lower.constant_hoisting import with_constants
+from codegen.lower.constant_hoisting import WEAK_PIVOT, with_constants
 from codegen.lower.differentiation.derivative_along_motion import Direction
 from codegen.lower.kernels.accelerations import accelerations, inverse_mass_ratio, weak_pivot
 from codegen.lower.kernels.corrections import correction
 from codegen.lower.kernels.derived_outputs import derived_kernel, derived_rows
+from codegen.lower.kernels.independent_rows import (
+    SharedRows,
+    free_multipliers,
+    with_independent_rows,
+)
 from codegen.lower.kernels.scalar_kernels import (
     condition_kernels,
     hold_kernels,
@@ -125,6 +130,8 @@ class Lowered:
     description: Description
     strategy: Strategy | None  # the cheapest order of elimination; None: nothing is eliminated
     scene: SceneGraph
+    independent: SceneGraph  # the same with independent constraints
+    shared: tuple[SharedRows, ...] = ()  # joints with redundant rows, and what they are left as
 
     @property
     def kernels(self) -> dict[str, Kernel]:
@@ -133,29 +140,42 @@ class Lowered:
 
 
 @collection_paused()
-def lower(equations: Equations) -> Lowered:
-    """Translate every equation into one graph, and arrange its values in kernels."""
-    scene, selection = SceneGraph(equations), Selection(equations)
-    entries = [f"{scene.rows[i]}, {scene.names[k]}" for i, k in scene.jacobian]
-    sparse = "Structural non-zeros of Φ_q, at JACOBIAN_ROWS, JACOBIAN_COLUMNS."
-    kernels = [
-        storing("constraints", "Φ(q, t).", "t q p phi", scene.phi, scene.rows),
-        storing("jacobian", sparse, "t q p values", list(scene.jacobian.values()), entries),
-        storing("velocity_rhs", "ν = -Φ_t, so that Φ_q q̇ = ν.", "t q p nu", scene.nu, scene.rows),
-    ]
+def outline(equations: Equations) -> Lowered:
+    """The equations as values of one graph, of which the constraints alone are kernels."""
+    scene = SceneGraph(equations)
+    kernels = tuple(_constraint_kernels(scene))
+    program = Program(tuple(scene.graph.values), kernels, (), WEAK_PIVOT)
+    return Lowered(program, describe(scene, scene, [], [], ()), None, scene, scene)
+
+
+@collection_paused()
+def lower(
+    equations: Equations, shared: tuple[SharedRows, ...] = (), scene: SceneGraph | None = None
+) -> Lowered:
+    """Translate every equation into one graph, and arrange its values in kernels.
+
+    Linear systems are solved with what the joints that are `shared` leave. `scene`: of an outline.
+    """
+    scene, selection = scene or SceneGraph(equations), Selection(equations)
+    independent = with_independent_rows(scene, shared)
     resting = equations.scene.analysis == "equilibrium"
-    if not resting:
-        summary = "γ = -(Φ_q q̇)_q q̇ - 2 Φ_qt q̇ - Φ_tt, so that Φ_q q̈ = γ."
-        gamma = storing("acceleration_rhs", summary, "t q v p gamma", scene.gamma, scene.rows)
-        kernels.append(gamma)
+    kernels = _constraint_kernels(scene)
+    if shared:
+        kernels += _constraint_kernels(independent, "independent_")
     strategy: Strategy | None = None
-    spread = inverse_mass_ratio(scene)
+    spread = inverse_mass_ratio(independent)
     recovered, reported = selection.multipliers(scene), selection.reactions(scene)
     if recovered or not resting:
-        fused, strategy = accelerations(scene, recovered, spread)
+        fused, strategy = accelerations(independent, recovered, spread)
         kernels.append(reduce_height(scene.graph, fused))
+    free = 0
+    if shared and strategy and equations.mass and recovered:
+        found = free_multipliers(independent, scene.jacobian, shared, strategy)
+        if found is not None:
+            kernel, free = found
+            kernels.append(kernel)
     if not resting:
-        kernels.append(correction(scene))
+        kernels.append(correction(independent))
     powers: list[tuple[str, str, int]] = []
     if equations.mass:
         powers = _powers(scene, selection)
@@ -180,8 +200,33 @@ def lower(equations: Equations) -> Lowered:
     program = with_constants(
         scene.graph, tuple(kernels), len(equations.parameters), weak_pivot(spread)
     )
-    description = describe(scene, powers, [*reported, *derived], recovered, peaks)
-    return Lowered(program, description, strategy, scene)
+    description = describe(
+        scene, independent, powers, [*reported, *derived], recovered, peaks, free
+    )
+    return Lowered(program, description, strategy, scene, independent, shared)
+
+
+def _constraint_kernels(scene: SceneGraph, kind: str = "") -> list[Kernel]:
+    """Φ, Φ_q, ν and, of a scene that moves, γ, each row in the place of a constraint as stated."""
+    rows, table = scene.row_names, f"{kind}jacobian".upper()
+    entries = [f"{scene.rows[i]}, {scene.names[k]}" for i, k in scene.jacobian]
+
+    def placed(name: str, summary: str, arguments: str, values: list[int]) -> Kernel:
+        known = dict(zip(scene.stated, values, strict=True))
+        stored = [known.get(i, scene.graph.zero) for i in range(len(rows))]
+        return storing(kind + name, summary, arguments, stored, rows)
+
+    sparse = f"Structural non-zeros of Φ_q, at {table}_ROWS, {table}_COLUMNS."
+    slopes = list(scene.jacobian.values())
+    kernels = [
+        placed("constraints", "Φ(q, t).", "t q p phi", scene.phi),
+        storing(f"{kind}jacobian", sparse, "t q p values", slopes, entries),
+        placed("velocity_rhs", "ν = -Φ_t, so that Φ_q q̇ = ν.", "t q p nu", scene.nu),
+    ]
+    if scene.equations.scene.analysis != "equilibrium":
+        summary = "γ = -(Φ_q q̇)_q q̇ - 2 Φ_qt q̇ - Φ_tt, so that Φ_q q̈ = γ."
+        kernels.append(placed("acceleration_rhs", summary, "t q v p gamma", scene.gamma))
+    return kernels
 
 
 def _note_weights(scene: SceneGraph) -> None:

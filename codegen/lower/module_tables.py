@@ -168,6 +168,8 @@ class Description:
     unused: tuple[str, ...]  # parameters on which nothing that takes part depends
     outputs: tuple[str, ...] | None  # in addition to the motion; None means all
     recovered: tuple[int, ...]  # constraints whose multipliers `accelerations` answers
+    redundant: tuple[int, ...]  # constraints in whose places no independent row stands
+    free: int | None  # number of vectors that `free_multipliers` writes, if there is this kernel
     drivers: tuple[str, ...]  # the drivers among the constraints
     switches: tuple[
         tuple[str, ...], ...
@@ -205,12 +207,14 @@ class Description:
     # effects whose values are sought: parameters, whose values a run gives as weights
     unknown: tuple[str, ...]
     jacobian: Pattern  # pattern of Φ_q
+    independent_jacobian: Pattern | None  # of the independent rows, where some follow from others
     mass: Pattern  # pattern of M
 
 
 def describe(
-    scene: SceneGraph, powers: list[tuple[str, str, int]], reported: Sequence[Reaction],
-    recovered: tuple[int, ...], peaks: tuple[PeakedFunction, ...] = (),
+    scene: SceneGraph, independent: SceneGraph, powers: list[tuple[str, str, int]],
+    reported: Sequence[Reaction], recovered: tuple[int, ...],
+    peaks: tuple[PeakedFunction, ...] = (), free: int = 0,
 ) -> Description:  # fmt: skip
     """The tables of a scene, with its powers, reported reactions, recovered multipliers, peaks."""
     equations, named = scene.equations, scene.equations.scene
@@ -242,6 +246,8 @@ def describe(
         unused=equations.unused,
         outputs=named.outputs,
         recovered=recovered,
+        redundant=tuple(sorted({*range(scene.m)} - {*independent.stated})),
+        free=free or None,
         drivers=tuple(c.name for c in constraints if c.driver),
         switches=tuple(
             (s.effect, s.text) if (word := _kind(s)) == "condition" else (s.effect, s.text, word)
@@ -271,6 +277,11 @@ def describe(
         controllers=tuple(s.name for s in equations.sampled if s.sample is None),
         unknown=named.unknown,
         jacobian=Pattern.of(scene.jacobian),
+        independent_jacobian=None
+        if independent is scene
+        else Pattern.of(
+            {(independent.stated[i], k): entry for (i, k), entry in independent.jacobian.items()}
+        ),
         mass=Pattern.of(scene.mass),
     )
 

@@ -89,16 +89,20 @@ class Poses:
         entries.data = entries.data * factors
         return entries.tocsr()
 
-    def start(self) -> tuple[Array, Any] | None:
+    def start(self, kept: Array | float = 1.0) -> tuple[Array, Any] | None:
         """The start and Φ_q there, in these units; None where the joints do not close near it."""
-        start, jacobian = self.closed_near(self.guess, self.free)
-        if not self.holds(start):
-            start, jacobian = self.closed_near(self.guess)
-        return (start, jacobian) if self.holds(start) else None
+        start, jacobian = self.closed_near(self.guess, self.free, kept)
+        if not self.holds(start, kept):
+            start, jacobian = self.closed_near(self.guess, kept=kept)
+        return (start, jacobian) if self.holds(start, kept) else None
 
-    def along_motion(self) -> list[Array]:
-        """Positions that hold, (n,) each: the start, and some to which the joints let it move."""
-        closed = self.start()
+    def along_motion(self, kept: Array | float = 1.0) -> list[Array]:
+        """Positions that hold, (n,) each: the start, and some to which the joints let it move.
+
+        `kept`, (m,), is 1 for the constraints that must hold, as above.
+        """
+        closed, ones = self.start(kept), np.ones(len(self.guess))
+        rows_kept = np.ones(len(self.description.constraints)) * kept
         if closed is None:
             return []
         start, jacobian = closed
@@ -106,13 +110,14 @@ class Poses:
         for way in (1.0, -1.0):
             q, rows, ahead = start, jacobian, way * direction
             for _ in range(_WALK):
+                rows = self.scaled(rows, ones, rows_kept)
                 ahead = ahead - _least_norm(rows, rows @ ahead, 1e-6)
                 length = float(np.linalg.norm(ahead))
                 if length < _CLOSED:
                     break
                 ahead /= length
-                q, rows = self.closed_near(q + _STRIDE * self.unit * ahead)
-                if not self.holds(q):
+                q, rows = self.closed_near(q + _STRIDE * self.unit * ahead, kept=kept)
+                if not self.holds(q, kept):
                     break
                 found.append(q)
         return found
@@ -199,6 +204,16 @@ def least_norm(matrix: Any, right: Array) -> Array:
             break
         x, left = x + step, rest
     return x
+
+
+def rest_of_rows(matrix: Any, rows: Array) -> Array:
+    """Rows, (k, n), without their part in the span of the rows of a matrix, dense or sparse."""
+    if isinstance(matrix, np.ndarray):
+        return rows - np.linalg.lstsq(matrix.T, rows.T, rcond=None)[0].T @ matrix
+    largest = float(matrix.multiply(matrix).sum(axis=1).max(initial=1.0))
+    both = np.vstack([rows.T, np.zeros((matrix.shape[0], len(rows)))])
+    rest: Array = _factors(matrix, 1.0, _DAMPING * largest).solve(both)[: rows.shape[1]].T
+    return rest
 
 
 def dependent_rows(matrix: Any, tolerance: float) -> list[int]:

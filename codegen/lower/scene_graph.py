@@ -54,6 +54,7 @@ class SceneGraph:
             several = len(c.statement.rows) > 1
             self.owners += [c.name] * len(c.statement.rows)
             self.rows += [f"{c.name}_{row}" if several else c.name for row in c.statement.rows]
+        self.row_names = self.rows  # also where others than the declared ones are solved for
         self.m = len(self.rows)
         self.graph = graph = Graph()
         self.columns = {q: k for k, q in enumerate(equations.coordinates)}
@@ -83,6 +84,9 @@ class SceneGraph:
         # what elements on the ground, and all constraints, exert on the bodies, where it is asked
         self.of_ground = [graph.zero] * self.n if equations.shakes else []
         self._constraints()
+        # of each row the constraints that it combines → their factors: here every one alone
+        self.weights: list[dict[int, int]] = [{i: graph.one} for i in range(self.m)]
+        self.stated = list(range(self.m))  # the constraint as which each row is reported
         self._effects()
         if equations.shakes:
             self._ground()
@@ -323,6 +327,14 @@ class SceneGraph:
                 part = self.graph.mul(self.translate(factor), share)
                 factors[row] = self.graph.add(factors.get(row, self.graph.zero), part)
         return {row: factor for row, factor in factors.items() if factor != self.graph.zero}
+
+    def multipliers(self, of_rows: list[int]) -> list[int]:
+        """The multipliers of all constraints, by those of the rows, which may combine them."""
+        graph, found = self.graph, [self.graph.zero] * len(self.lam)
+        for row, factors in enumerate(self.weights):
+            for i, factor in factors.items():
+                found[i] = graph.add(found[i], graph.mul(factor, of_rows[row]))
+        return found
 
     def along(self, entry: dict[int, int], multipliers: list[int]) -> int:
         """The sum of factors times multipliers."""

@@ -171,7 +171,11 @@ class CoordinateMap:
     """The coordinates of a scene as functions of those that are kept."""
 
     def __init__(self, lowered: Lowered) -> None:
-        self.lowered, self.scene, self.description = lowered, lowered.scene, lowered.description
+        self.lowered, self.scene, self.description = (
+            lowered,
+            lowered.independent,
+            lowered.description,
+        )
         scene, graph = self.scene, self.scene.graph
         self.graph = graph
         self.names = [str(q.name) for q in scene.equations.coordinates]
@@ -198,7 +202,8 @@ class CoordinateMap:
         self.kept = tuple(k for k in self.explicit.coordinates if k not in closed)
         # rows of the constraints between them
         self.closures = tuple(i for i in self.explicit.rows if i not in solved)
-        rows = (self.description.constraints[i] for i in self.closures)
+        self.stated = tuple(scene.stated[i] for i in self.closures)  # as constraints of the scene
+        rows = (self.description.constraints[i] for i in self.stated)
         self.row_names = [f"{element}_{row}" for element, _, row in rows]
         self.slots = {k: slot for slot, k in enumerate(self.kept)}
         self.substitutes: dict[int, int] = {}  # value → its substitute in the kept coordinates

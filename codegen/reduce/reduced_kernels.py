@@ -125,11 +125,15 @@ class ProjectedEquations:
 
     def _substituted(self) -> Kernel:
         """By substitution in the kernel of the scene itself."""
-        mapping, closures = self.mapping, self.mapping.closures
+        mapping, closures = self.mapping, self.mapping.stated
         stated = mapping.lowered.kernels["accelerations"]
         values = {(out.array, out.slot): out.value for out in stated.outputs}
         rates = mapping.substituted(values["a", k] for k in mapping.kept)
-        rows = {r: values["lam", i] for r, i in enumerate(closures) if ("lam", i) in values}
+        weights = [mapping.scene.weights[i] for i in mapping.closures]
+        alone = {
+            r: min(row) for r, row in enumerate(weights) if [*row.values()] == [self.graph.one]
+        }
+        rows = {r: values["lam", i] for r, i in alone.items() if ("lam", i) in values}
         multipliers = dict(zip(rows, mapping.substituted(rows.values()), strict=True))
         checks = []
         for check in stated.checks:
@@ -188,9 +192,9 @@ def reduce(lowered: Lowered) -> Reduced:
     return Reduced(
         replace(tangents, kernels=(*program.kernels, *tangents.kernels)),
         mapping.kept,
-        mapping.closures,
+        mapping.stated,
         tuple(angle.column for angle in mapping.angles),
-        tuple((angle.column, angle.row) for angle in branching),
+        tuple((angle.column, mapping.scene.stated[angle.row]) for angle in branching),
         Pattern.of(equations.jacobian),
         Pattern.of(equations.mass),
     )

@@ -267,7 +267,7 @@ class _Search:
     def _choice(self, formulation: Formulation, *reasons: str) -> Choice:
         """With the method that detects stiffness, where its derivatives exist; else explicit."""
         ready = self.ready
-        stiff = ready.mechanism.has_companion("tangents") and not ready.begin.redundant
+        stiff = ready.mechanism.has_companion("tangents")
         method = self.method or ("auto" if formulation == "reduced" or stiff else LEADING)
         coordinates = formulate(ready, formulation, method, self.correction)
         return Choice(method, formulation, coordinates, reasons)

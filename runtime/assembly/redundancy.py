@@ -1,13 +1,13 @@
-"""Redundant constraints: their detection, and kernels that can solve with them.
+"""Redundant constraints: their detection; kernels for masses far apart.
 
 The rows of the joints are eliminated first and the drivers appended, so that a driver without a
 motion left to drive is named as such.
 
-Kernels in the place of a module's own solve with pivots chosen by size. Redundant constraints, of
-which as many are independent as at the start, take multipliers of least norm. Masses that parameter
-values put far apart take the null space of Φ_q: a module orders its elimination for the masses that
-it was built with, and takes constraints for dependent that are not where pivots of Φ_q M⁻¹ Φ_qᵀ are
-as small as a light body's share in M⁻¹ is large.
+A module has independent rows in the place of joints with redundant ones, by what was found before
+the build (`codegen.check.shared_rows`). Masses that parameter values put far apart take the null
+space of Φ_q, by a kernel in the place of the module's own: a module orders its elimination for the
+masses that it was built with, and takes constraints for dependent that are not where pivots of
+Φ_q M⁻¹ Φ_qᵀ are as small as a light body's share in M⁻¹ is large.
 """
 
 from collections.abc import Sequence
@@ -23,11 +23,9 @@ from codegen.errors import AnalysisError
 from runtime.assembly.joint_closing import CLOSED, Task, nearest, refine
 from runtime.core.arrays import Kernel
 from runtime.core.kernel_abi import SIGNATURES, Kernels
-from runtime.integrate.method import EXPLICIT, IMPLICIT, alternatives
-from runtime.integrate.problem import Correction
 from runtime.linalg.dense_elimination import Sparse
+from runtime.linalg.motion_by_null_space import solve_motion_by_null_space
 from runtime.linalg.rank_policy import LOST
-from runtime.linalg.redundant_constraints_solve import solve_least_norm, solve_motion
 from runtime.mechanism.dense_equations import Equations, FloatArray, row_lengths
 from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import Description
@@ -211,17 +209,19 @@ def _neighbours(task: Task, q: FloatArray, drivers: BoolArray, v: FloatArray) ->
 MOST_SPREAD = 1e-2
 DOUBTFUL = 1e-3  # safety: of `MOST_SPREAD`; with a larger spread in one pose others are examined
 _UNCACHED: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
-_VARIANTS: WeakKeyDictionary[Mechanism, dict[tuple[int, ...], Mechanism]] = WeakKeyDictionary()
-"""Compiled once for each mechanism and choice of independent constraints, () of far masses."""
+_VARIANTS: WeakKeyDictionary[Mechanism, Mechanism] = WeakKeyDictionary()  # compiled once for each
 
 
 def suited_equations(equations: Equations, start: Assembly) -> Equations:
-    """The equations, or those whose kernels bear redundant constraints or masses far apart.
+    """The equations, or those whose kernels bear masses far apart.
 
-    Raises AnalysisError where friction needs the reactions that these leave open.
+    Raises AnalysisError where friction needs the reactions that redundant constraints leave open,
+    or where others are redundant than those that the module was built without.
     """
-    mechanism = equations.mechanism
-    if start.redundant:
+    mechanism, description = equations.mechanism, equations.description
+    if start.redundant or description.redundant:
+        if len(start.redundant) != len(description.redundant):
+            raise AnalysisError(_other_redundancy(description, start))
         names = ", ".join(row.name for row in start.redundant)
         why = f"which redundant constraints leave undetermined ({names}). Remove one or the other."
     elif spread := _spread_of_masses(equations, start.t, start.q):
@@ -234,18 +234,36 @@ def suited_equations(equations: Equations, start: Assembly) -> Equations:
     else:
         return equations
     # A dry friction with a given normal force needs no reaction.
-    friction = [row.name for row in equations.description.effects if row.kind == "friction"]
+    friction = [row.name for row in description.effects if row.kind == "friction"]
     if friction:
         raise AnalysisError(
             f"{mechanism.title}: friction in joints ({', '.join(friction)}) follows from "
             f"their reactions, {why}"
         )
-    variants = _VARIANTS.setdefault(mechanism, {})
-    key = start.independent if start.redundant else ()
-    if key not in variants:
-        make = _least_norm_variant if start.redundant else _null_space_variant
-        variants[key] = make(mechanism, start.independent)
-    return Equations(variants[key], equations.p)
+    if start.redundant:
+        return Equations(mechanism.with_independent_rows, equations.p)
+    if mechanism not in _VARIANTS:
+        kernel = _accelerations_by_null_space(mechanism.kernels, description)
+        kernels = replace(mechanism.kernels, accelerations=kernel)
+        _VARIANTS[mechanism] = replace(mechanism, kernels=kernels)
+    return Equations(_VARIANTS[mechanism], equations.p)
+
+
+def _other_redundancy(description: Description, start: Assembly) -> str:
+    """Why a module does not suit the redundant constraints of a run, and what to do."""
+    built, table = [description.constraints[k].name for k in description.redundant], start.redundant
+    return (
+        f"{description.title}: with the values of this run {_listed([r.name for r in table])} from "
+        f"others, and with those that the module was built with {_listed(built)}. Load "
+        "scene.with_(parameters=..., guess=...) with the values of this run, so that the build "
+        "allows for them."
+    )
+
+
+def _listed(names: list[str]) -> str:
+    """The subject and verb of a sentence on redundant rows: "a.x follows"."""
+    verb = "follow" if len(names) > 1 else "follows"
+    return f"{', '.join(names)} {verb}" if names else "no constraint follows"
 
 
 def _spread_of_masses(equations: Equations, t: float, q: FloatArray) -> float:
@@ -263,35 +281,6 @@ def _spread_of_masses(equations: Equations, t: float, q: FloatArray) -> float:
     return spread if spread > most else 0.0
 
 
-def projection_only(
-    mechanism: Mechanism, begin: Assembly, method: str, correction: Correction
-) -> Correction:
-    """The return onto redundant constraints; refuses methods that need independent ones.
-
-    Off the constraints a redundant row appears independent, which would mislead a partition of the
-    coordinates.
-    """
-    names = ", ".join(row.name for row in begin.redundant)
-    if method in IMPLICIT:
-        names_follow, them = name_redundant(begin)
-        raise AnalysisError(
-            f"{mechanism.title}: method {method!r} needs independent constraints, and "
-            f"{names_follow} from others. Take {alternatives(EXPLICIT)}, or remove {them}."
-        )
-    if correction not in {"step", "projection"}:
-        raise AnalysisError(
-            f"{mechanism.title}: with redundant constraints ({names}) states return by "
-            f'projection; correction={correction!r} needs independent ones. Leave it at "step".'
-        )
-    return "projection"
-
-
-def name_redundant(start: Assembly) -> tuple[str, str]:
-    """The subject and verb of a sentence on redundant rows, "a.x follows", and their pronoun."""
-    verb, pronoun = ("follow", "them") if len(start.redundant) > 1 else ("follows", "it")
-    return f"{', '.join(row.name for row in start.redundant)} {verb}", pronoun
-
-
 def redundancy_note(start: Assembly) -> str:
     """Sentence of a result about redundant constraints; empty without any."""
     if not start.redundant:
@@ -302,59 +291,8 @@ def redundancy_note(start: Assembly) -> str:
     )
 
 
-def _null_space_variant(mechanism: Mechanism, independent: tuple[int, ...]) -> Mechanism:
-    from runtime.linalg.motion_by_null_space import solve_motion_by_null_space
-
-    kernels, description = mechanism.kernels, mechanism.description
-    kernel = _accelerations_by(solve_motion_by_null_space, kernels, description, 0)
-    return replace(mechanism, kernels=replace(kernels, accelerations=kernel))
-
-
-def _least_norm_variant(mechanism: Mechanism, independent: tuple[int, ...]) -> Mechanism:
-    """The mechanism with kernels for which as many independent constraints suffice."""
-    kernels, description, count = mechanism.kernels, mechanism.description, len(independent)
-    jacobian, constraints, rates = kernels.jacobian, kernels.constraints, kernels.velocity_rhs
-    gamma_of = kernels.acceleration_rhs
-    rows, columns = description.jacobian_rows, description.jacobian_columns
-    n, m = len(description.coordinates), len(description.constraints)
-
-    def kinematic(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
-        values, right, d = np.empty(rows.size), np.empty((1, m)), np.empty((1, n))
-        jacobian(t, q, p, values)
-        gamma_of(t, q, v, p, right[0])
-        rank = solve_least_norm(Sparse(rows, columns, values), np.ones(n), right, d)
-        a[:] = d[0]
-        lam[:] = 0.0
-        return 0 if rank >= count else m
-
-    def correction(t: Any, q: Any, v: Any, p: Any, w: Any, dq: Any, dv: Any) -> int:
-        values, right, d = np.empty(rows.size), np.empty((2, m)), np.empty((2, n))
-        jacobian(t, q, p, values)
-        constraints(t, q, p, right[0])
-        rates(t, q, p, right[1])
-        for i in range(m):
-            right[0, i] = -right[0, i]
-        for k in range(rows.size):
-            right[1, rows[k]] -= values[k] * v[columns[k]]
-        rank = solve_least_norm(Sparse(rows, columns, values), w, right, d)
-        dq[:] = d[0]
-        dv[:] = d[1]
-        return 0 if rank >= count else m
-
-    if description.has_masses:
-        accelerations = _accelerations_by(solve_motion, kernels, description, m - count)
-    else:
-        accelerations = njit(SIGNATURES["accelerations"], **_UNCACHED)(kinematic)
-    corrected = njit(SIGNATURES["correction"], **_UNCACHED)(correction)
-    kernels = replace(kernels, accelerations=accelerations, correction=corrected)
-    return replace(mechanism, kernels=kernels, sufficient=independent)
-
-
-def _accelerations_by(solve: Any, kernels: Kernels, description: Description, spare: int) -> Kernel:
-    """The kernel `accelerations` by `solve`, of Φ_q, M, Q and γ, for q̈ and λ.
-
-    `solve` returns the number of dependent constraints, of which `spare` are right.
-    """
+def _accelerations_by_null_space(kernels: Kernels, description: Description) -> Kernel:
+    """The kernel `accelerations` by the null space of Φ_q, of Φ_q, M, Q and γ."""
     jacobian, gamma_of = kernels.jacobian, kernels.acceleration_rhs
     mass_of, forces = kernels.mass, kernels.applied_forces
     resting = description.analysis == "equilibrium"  # such a scene has no γ, which is zero at rest
@@ -371,7 +309,7 @@ def _accelerations_by(solve: Any, kernels: Kernels, description: Description, sp
         mass_of(q, p, masses)
         forces(t, q, v, p, modes, force)
         slopes, inertia = Sparse(rows, columns, values), Sparse(mass_rows, mass_columns, masses)
-        return 0 if solve(slopes, inertia, force, gamma, a, lam) <= spare else m
+        return m if solve_motion_by_null_space(slopes, inertia, force, gamma, a, lam) else 0
 
     made: Kernel = njit(SIGNATURES["accelerations"], **_UNCACHED)(accelerations)
     return made

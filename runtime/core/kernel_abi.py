@@ -170,6 +170,14 @@ class Kernels:
         Their periods and delays, s.
     watched(t, q, v, p, modes, out)
         1 where a condition of WATCHED holds, else 0.
+    free_multipliers(t, q, p, out)
+        Multipliers that exert no force, Φ_qᵀ λ = 0, `description.free` vectors one after the other,
+        (m,) each; entries that are always 0 are not written.
+    independent_constraints, independent_jacobian, independent_velocity_rhs,
+    independent_acceleration_rhs
+        As those above of a scene in which constraints follow from others, with independent rows in
+        their place, and 0 in the places `description.redundant`. Non-zeros are at
+        `description.independent_jacobian_rows`, `description.independent_jacobian_columns`.
     """
 
     constants: Kernel = _kernel("constants", "p", _skip_1)
@@ -207,6 +215,13 @@ class Kernels:
     samples: Kernel = _kernel("samples", "t q v p modes out", _no_samples)
     clocks: Kernel = _kernel("clocks", "p out", _skip_2)
     watched: Kernel = _kernel("watched", "t q v p modes out", _no_samples)
+    free_multipliers: Kernel = _kernel("free_multipliers", "t q p out", _skip_4)
+    independent_constraints: Kernel = _kernel("independent_constraints", "t q p phi", _skip_4)
+    independent_jacobian: Kernel = _kernel("independent_jacobian", "t q p values", _skip_4)
+    independent_velocity_rhs: Kernel = _kernel("independent_velocity_rhs", "t q p nu", _skip_4)
+    independent_acceleration_rhs: Kernel = _kernel(
+        "independent_acceleration_rhs", "t q v p gamma", _undefined_gamma
+    )
 
     def table(self) -> Integers:
         """Addresses in the order of the fields, with which every function table begins.
@@ -259,6 +274,7 @@ conditions_of = _fetcher("conditions")
 profiles_of = _fetcher("profiles")
 samples_of = _fetcher("samples")
 watched_of = _fetcher("watched")
+free_multipliers_of = _fetcher("free_multipliers")
 
 
 def gather(module: ModuleType) -> Kernels:

@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 
 from codegen.errors import InputError
-from runtime.assembly.redundancy import name_redundant, projection_only, suited_equations
+from runtime.assembly.redundancy import suited_equations
 from runtime.core.system import System
 from runtime.dynamics.changes_of_coordinates import Changes
 from runtime.dynamics.controllers import remembered
@@ -35,7 +35,7 @@ class Coordinates:
     """The coordinates that are integrated, and their equations."""
 
     name: Formulation
-    equations: Equations  # with kernels of least norm where constraints are redundant
+    equations: Equations
     system: System
     mobility: FloatArray  # typical changes of all coordinates, (n,)
     correction: Correction
@@ -88,8 +88,6 @@ class CartesianCoordinates(Coordinates):
         begin = ready.begin
         self.equations = suited_equations(ready.equations, begin)
         self.correction = correction
-        if begin.redundant:
-            self.correction = projection_only(ready.mechanism, begin, method, correction)
         mechanism = self.equations.mechanism
         self.system = mechanism.system
         if method in IMPLICIT:
@@ -117,7 +115,8 @@ class ReducedCoordinates(Coordinates):
     def __init__(self, ready: PreparedSimulation, correction: Correction) -> None:
         super().__init__(ready)
         _refuse(ready, correction)
-        begin, self.equations, self.correction = ready.begin, ready.equations, correction
+        begin, self.correction = ready.begin, correction
+        self.equations = suited_equations(ready.equations, begin)
         self.reduced = ready.mechanism.reduced
         self.system, self.spreads = self.reduced.system, _spreads(ready)
         self.mobility, state = np.ones(len(begin.q)), (begin.t, begin.q, begin.v)
@@ -241,12 +240,6 @@ def _refuse(ready: PreparedSimulation, correction: Correction) -> None:
         problems.append(
             f"correction={correction!r} returns onto constraints that reduced coordinates "
             f"eliminate; take one of {', '.join(_CORRECTIONS)}"
-        )
-    if begin.redundant:
-        names_follow, them = name_redundant(begin)
-        problems.append(
-            f"{names_follow} from other constraints, and reduced coordinates need independent "
-            f"ones; remove {them}"
         )
     stuck = [*description.stiction, *(k for k, *_ in description.friction_limits)]
     if stuck:

@@ -50,7 +50,8 @@ def with_impulses(
 
 def _impulses(equations: Equations, event: Event, latest: float) -> dict[str, float]:
     """Component of the reaction of a joint or driver → its impulse, N s or N m s, if not 0."""
-    t, q, description = event.time, event.q, equations.description
+    equations, t, q = equations.whole, event.time, event.q
+    description = equations.description
     before = t - _APART * max(abs(t), abs(latest))
     jump = equations.velocity_rhs(t, q) - equations.velocity_rhs(before, q)
     none = np.zeros((equations.n, 1))

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from runtime.constraints.partitioning import evaluate_jacobian
 from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
@@ -21,6 +22,7 @@ from runtime.core.arrays import (
     IntegerMatrix,
     Matrix,
     Vector,
+    i8,
     integer_matrix,
     integers,
     matrix,
@@ -35,6 +37,7 @@ from runtime.hybrid.mode_consistency import count_sliding
 from runtime.hybrid.rest_forces import is_prescribed, is_resting, set_unit
 from runtime.integrate.sampling import INTERVAL, WEIGHTS
 from runtime.integrate.wiring import Wiring, wire
+from runtime.linalg.least_multipliers import minimise_norm, take_least_multipliers
 from runtime.linalg.vectors import largest_magnitude
 from runtime.mechanism.dense_equations import KEPT, Equations, FloatArray
 from runtime.mechanism.mechanism import Mechanism
@@ -48,11 +51,32 @@ ENERGIES = ("kinetic_energy", "potential")
 SAMPLES = named_tuple_type([vector, *[matrix] * 8, integer_matrix, matrix], Samples)
 
 
-@unlocked(none(ADDRESSES, SAMPLES, vector, integer_matrix, integers, integers, vector, vector))
+@inner
+def settle_multipliers(
+    kernels: Any, t: Any, q: Any, p: Any, rows: Any, columns: Any, slopes: Any, redundant: Any,
+    free: Any, lam: Any,
+) -> None:  # fmt: skip
+    """Make multipliers those of least norm, of which so many `redundant` constraints leave open."""
+    if free.size > 0:
+        free.fill(0.0)
+        abi.free_multipliers_of(kernels)(t, q, p, free)
+        minimise_norm(free, redundant, lam)
+    else:
+        take_least_multipliers(rows, columns, slopes, len(q), redundant, lam)
+
+
+@unlocked(
+    none(ADDRESSES, SAMPLES, vector, integer_matrix, integers, integers, vector, vector, i8, vector)
+)
 def evaluate_samples(
-    kernels: Any, s: Any, p: Any, modes: Any, rows: Any, columns: Any, slopes: Any, phi: Any
-) -> None:
-    """Write what follows from the states of samples; `modes`, (k, s), are 0 and 1."""
+    kernels: Any, s: Any, p: Any, modes: Any, rows: Any, columns: Any, slopes: Any, phi: Any,
+    redundant: Any, free: Any,
+) -> None:  # fmt: skip
+    """Write what follows from the states of samples; `modes`, (k, s), are 0 and 1.
+
+    Where constraints are `redundant`, so many, multipliers are those of least norm; `free` is room
+    for others that exert no force, (k m,), where a kernel finds these.
+    """
     for k in range(len(s.t)):
         t, q, v, a, lam, mode = s.t[k], s.q[k], s.v[k], s.a[k], s.lam[k], modes[k]
         if abi.accelerations_of(kernels)(t, q, v, p, mode, a, lam) != 0:
@@ -65,6 +89,8 @@ def evaluate_samples(
         for j in range(len(rows)):
             phi[rows[j]] -= slopes[j] * v[columns[j]]
         s.residual[k, 1] = largest_magnitude(phi)
+        if redundant > 0:
+            settle_multipliers(kernels, t, q, p, rows, columns, slopes, redundant, free, lam)
         abi.reactions_of(kernels)(t, q, v, p, lam, s.reaction[k])
         abi.switched_reactions_of(kernels)(t, q, v, p, mode, lam, s.reaction[k])
         if kernels[abi.DERIVED] != 0:
@@ -166,6 +192,7 @@ def evaluate(
 
 def evaluate_rows(equations: Equations, samples: Samples) -> None:
     """Write what follows from the states and modes of samples."""
+    equations = equations.whole
     description = equations.description
     plain = np.where(samples.modes == SLIDING, 0, samples.modes)
     closed = [contact.switch for contact in description.rigid]
@@ -176,10 +203,16 @@ def evaluate_rows(equations: Equations, samples: Samples) -> None:
     evaluate_samples(
         equations.table, samples, equations.p, plain, rows.astype(np.int64),
         columns.astype(np.int64), np.zeros(len(rows)), np.zeros(equations.m),
+        len(description.redundant), _room_of_multipliers(equations),
     )  # fmt: skip
     if (samples.modes == SLIDING).any():
         _overwrite_sliding(equations, samples)
     leave_out_unknown(description, samples)
+
+
+def _room_of_multipliers(equations: Equations) -> Vector:
+    """Room for multipliers that exert no force, where a kernel finds them; else of no size."""
+    return np.zeros(equations.description.free * equations.m)
 
 
 def leave_out_unknown(description: Description, samples: Samples) -> None:
@@ -267,7 +300,8 @@ def prepare_mixing(
 
 @inner
 def mix_rows(
-    context: Any, start: Any, diagonal: Any, s: Any, p: Any, masses: Any, powers: Any
+    context: Any, start: Any, diagonal: Any, s: Any, p: Any, masses: Any, powers: Any,
+    redundant: Any, free: Any,
 ) -> None:  # fmt: skip
     """Overwrite the outputs of the samples in which a function is in mode 2."""
     base, other, reaction = powers[0], powers[1], context.reaction
@@ -289,6 +323,10 @@ def mix_rows(
             prepared = True
         count_sliding(context, s.modes[row])
         ft.modified_accelerations_of(context)(context, t, q, v, s.modes[row], s.a[row], s.lam[row])
+        if redundant > 0:
+            sparse = evaluate_jacobian(context, t, q)
+            places = sparse.rows, sparse.columns, sparse.values
+            settle_multipliers(start, t, q, p, *places, redundant, free, s.lam[row])
         mix_reactions(context, t, q, v, s.lam[row])
         for i in range(len(reaction)):
             s.reaction[row, i] = reaction[i]
@@ -318,11 +356,12 @@ def mix_rows(
                 s.power[row, i] += context.share[k] * (other[i] - base[i])
 
 
-@compiled(none(ADDRESSES, ADDRESSES, integers, SAMPLES, vector, vector, matrix))
+@compiled(none(ADDRESSES, ADDRESSES, integers, SAMPLES, vector, vector, matrix, i8, vector))
 def _mix(
-    context: Any, start: Any, diagonal: Any, s: Any, p: Any, masses: Any, powers: Any
+    context: Any, start: Any, diagonal: Any, s: Any, p: Any, masses: Any, powers: Any,
+    redundant: Any, free: Any,
 ) -> None:  # fmt: skip
-    mix_rows(context, start, diagonal, s, p, masses, powers)
+    mix_rows(context, start, diagonal, s, p, masses, powers, redundant, free)
 
 
 def wire_mixing(mechanism: Mechanism, p: Vector) -> Wiring:
@@ -336,4 +375,5 @@ def _overwrite_sliding(equations: Equations, samples: Samples) -> None:
     wiring, start = wire_mixing(mechanism, equations.p), start_table(mechanism)
     diagonal = equations.description.mass_diagonal
     masses, powers = np.zeros(len(diagonal)), np.zeros((2, samples.power.shape[1]))
-    _mix(wiring.table, start.table, diagonal, samples, equations.p, masses, powers)
+    redundant, free = len(equations.description.redundant), _room_of_multipliers(equations)
+    _mix(wiring.table, start.table, diagonal, samples, equations.p, masses, powers, redundant, free)

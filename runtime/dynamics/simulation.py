@@ -153,7 +153,7 @@ def run_prepared(
     run = end_at_kink(equations, begin, run, ready.t_end - begin.t)
     run = end_at_jam(equations, run, ready.t_end - begin.t)
     result = _result(equations, run, ready, began, samples)
-    result._mechanism = equations.mechanism
+    result._mechanism = equations.whole.mechanism
     if run.checkpoints is not None:
         end = run.final_t, run.samples_taken, run.discrete
         result._motion = SimulatedMotion(coordinates, options, run.checkpoints, *end)

@@ -6,16 +6,20 @@ an elimination of the whole system that begins with M loses their ratio. (M. Ben
 and J. Liesen, Acta Numerica 14, 2005, section 6.)
 """
 
+import numba
 import numpy as np
 
-from runtime.core.arrays import Integers, Matrix, Vector, i8, vector
+from runtime.core import arrays
+from runtime.core.arrays import Integers, Matrix, Vector, i8, integers, matrix, none, vector
 from runtime.core.jit import allocating, inner
 from runtime.linalg import orthogonal_factors
 from runtime.linalg.dense_elimination import Sparse, eliminate_below
-from runtime.linalg.leading_block import null_vectors
+from runtime.linalg.leading_block import complete_solution, null_vectors
 from runtime.linalg.rank_policy import NO_PIVOT
-from runtime.linalg.redundant_constraints_solve import SPARSE, solve_factored
 from runtime.linalg.vectors import dot, multiply
+
+_constant = numba.types.Array(i8, 1, "C", readonly=True)  # integers that a closure holds
+SPARSE = arrays.named_tuple_type((_constant, _constant, vector), Sparse)
 
 _LEAST = 1e-7  # accuracy: of the largest scale of a column; least scale, above the noise of pivots
 _CLOSED = 1e-9  # accuracy: part of a row's terms that may be left; rounding leaves 1e-12 at most
@@ -164,6 +168,21 @@ def is_solved(
     for i in range(n + m):
         solved = solved and abs(left[i]) <= _CLOSED * terms[i]
     return solved
+
+
+@allocating(none(matrix, i8, integers, integers, vector, vector))
+def solve_factored(
+    a: Matrix, rank: int, row_order: Integers, column_order: Integers, right: Vector, x: Vector
+) -> None:
+    """A solution of A x = right, A as `factor_fully` left it; unknowns without a pivot are zero."""
+    reduced, placed = np.zeros(rank), np.zeros(a.shape[1])
+    for k in range(rank):
+        reduced[k] = right[row_order[k]]
+        for j in range(k):
+            reduced[k] -= a[k, j] * reduced[j]
+    complete_solution(a, rank, reduced, placed)
+    for k in range(x.size):
+        x[column_order[k]] = placed[k]
 
 
 @allocating(i8(SPARSE, SPARSE, vector, vector, vector, vector))

@@ -15,7 +15,7 @@ from math import sqrt
 
 import numpy as np
 
-from runtime.core.arrays import Integers, Matrix, Vector
+from runtime.core.arrays import Matrix, Vector
 from runtime.core.jit import inner
 from runtime.linalg.vectors import axpy, dot
 
@@ -47,41 +47,6 @@ def factor_cholesky(a: Matrix) -> bool:
             else:
                 return False
     return True
-
-
-@inner
-def factor_semidefinite(a: Matrix, order: Integers, least: float) -> int:
-    """Overwrite the lower half by the factor L of P A Pᵀ = L Lᵀ, its pivots chosen by size.
-
-    Ends before a pivot, an entry of what is left of the diagonal, that is not above `least`, and
-    counts the pivots. `order`: rows and columns in the order of pivots.
-    """
-    m = a.shape[0]
-    for i in range(m):
-        order[i] = i
-    for k in range(m):
-        at = k
-        for i in range(k + 1, m):
-            if a[i, i] > a[at, at]:
-                at = i
-        if not a[at, at] > least:
-            return int(k)
-        if at != k:
-            order[k], order[at] = order[at], order[k]
-            a[k, k], a[at, at] = a[at, at], a[k, k]
-            for j in range(k):
-                a[k, j], a[at, j] = a[at, j], a[k, j]
-            for i in range(k + 1, at):
-                a[i, k], a[at, i] = a[at, i], a[i, k]
-            for i in range(at + 1, m):
-                a[i, k], a[i, at] = a[i, at], a[i, k]
-        a[k, k] = a[k, k] ** 0.5
-        for i in range(k + 1, m):
-            a[i, k] /= a[k, k]
-            if a[i, k] != 0.0:
-                for j in range(k + 1, i + 1):
-                    a[i, j] -= a[i, k] * a[j, k]
-    return int(m)
 
 
 @inner

@@ -14,8 +14,7 @@ the pivot that ought to be zero was at most 5e-16, 5e-16 and 1e-15.
 
 NO_PIVOT = 1e-10
 """accuracy: Is there a pivot left, where the position is known to rounding? Noise: 1e-15, as
-measured above; the margin is for units and masses that spread over several powers of ten. It also
-serves the Gram matrix Φ_q W Φ_qᵀ, whose entries are rounded as much: a distance squared there."""
+measured above; the margin is for units and masses that spread over several powers of ten."""
 
 REDUNDANT = 1e-8
 """accuracy: Does a row follow from those before it, so that the sign of its pivot says nothing?
@@ -27,8 +26,7 @@ which names redundant constraints by LOST."""
 LOST = 1e-6
 """accuracy: Is a direction lost at a position that was assembled, and may be a singular one? Noise:
 √EPS = 1.5e-8, to which Newton's method finds a double root. Users: `assembly.redundancy`,
-`singularity.singular_position_near_motion`, `continuation.singular_position_messages` and
-`continuation.bifurcation_branches`."""
+`continuation.singular_position_messages` and `continuation.bifurcation_branches`."""
 
 SAME_HOLD = 1e-11
 """accuracy: Does a sliding mode or closed contact hold a freedom that others hold already? The

@@ -39,7 +39,7 @@ def write_plan(
         dense[rows[k], columns[k]] = 1.0
         lengths[rows[k]] += (values[k] * scale[columns[k]]) ** 2
     for i in range(m):
-        lengths[i] = 1.0 / np.sqrt(lengths[i])
+        lengths[i] = 1.0 / np.sqrt(lengths[i]) if lengths[i] > 0.0 else 0.0
     plan[0] = 0
     zeros, c = 0, 2
     for k in range(m):
@@ -49,7 +49,7 @@ def write_plan(
         plan[head], plan[head + 1] = k * n + order[k], 0
         c += 2
         for i in range(k):
-            if dense[k, order[i]] == 0.0:
+            if dense[k, order[i]] == 0.0 or lengths[i] == 0.0:
                 continue
             if c + 3 + 3 * n + zeros > plan.size:
                 return
@@ -78,7 +78,7 @@ def replay_plan(
 ) -> bool:
     """Pivots of Φ_q by the plan, columns times `scale` and rows times `lengths`.
 
-    `flat` is overwritten. False where a row follows from those before it.
+    `flat` is overwritten. False where a row with entries follows from those before it.
     """
     rows, columns, values, n = sparse.rows, sparse.columns, sparse.values, scale.size
     for z in range(plan[1]):
@@ -97,6 +97,6 @@ def replay_plan(
                 flat[plan[c]] -= factor * flat[plan[c + 1]]
                 c += 2
         pivots[k] = flat[place] * lengths[k]
-        if not abs(pivots[k]) > REDUNDANT:
+        if lengths[k] > 0.0 and not abs(pivots[k]) > REDUNDANT:
             return False
     return True

@@ -43,6 +43,12 @@ class Equations:
         """Room in which compiled code assembles and measures."""
         return start_table(self.mechanism)
 
+    @property
+    def whole(self) -> "Equations":
+        """The equations with all constraints, also those that follow from others."""
+        whole = self.mechanism.whole
+        return self if whole is None else Equations(whole, self.p)
+
     def scaled(self, scale: FloatArray, independent: IntArray) -> ScaledConstraints:
         """The constraints in units of `scale`, of which `independent` follow from no others."""
         kernels, rows = self.kernels, self.description.jacobian_rows
@@ -220,7 +226,8 @@ class Equations:
 
         M Δv + Φ_qᵀ Λ = 0, Φ_q (v + Δv) = ν.
         """
-        gap = self.velocity_rhs(t, q) - self.jacobian(t, q) @ v
+        whole = self.whole
+        gap = whole.velocity_rhs(t, q) - whole.jacobian(t, q) @ v
         change, multipliers = self.responses(t, q, np.zeros((self.n, 1)), gap[:, None])
         return v + change[:, 0], multipliers[:, 0]
 
@@ -232,7 +239,7 @@ class Equations:
         M Δv + Φ_qᵀ Λ = `impulses`, (n, k), Φ_q Δv = `jumps`, (m, k), in units in which every
         coordinate has the inertia 1 and every row of Φ_q the length 1.
         """
-        jacobian, mass = self.jacobian(t, q), self.mass(q)
+        jacobian, mass = self.whole.jacobian(t, q), self.mass(q)
         diagonal = np.diag(mass)
         unit = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
         rows = jacobian * unit

@@ -46,11 +46,13 @@ class Mechanism:
     kernels: Kernels  # its compiled functions, callable from any numba code
     path: Path  # the generated module's file
     origin: Origin | None = None  # from which companion modules are built
-    # constraints that imply the others; None: all are independent
-    sufficient: tuple[int, ...] | None = None
+    # the machine with all constraints, of one that has independent rows in the place of some
+    whole: "Mechanism | None" = None
 
     def __reduce__(self) -> tuple[Any, ...]:
         """As what it was loaded from: compiled code and its addresses hold in one process."""
+        if self.whole is not None:
+            return getattr, (self.whole, "with_independent_rows")
         origin = self.need_origin("a machine in another process").portable()
         state = {"description": self.description, "path": self.path, "origin": origin}
         if "siblings" in vars(self):
@@ -75,8 +77,21 @@ class Mechanism:
     @property
     def independent(self) -> tuple[int, ...]:
         """Indices of independent constraints: none of them follows from the others."""
-        every = tuple(range(len(self.description.constraints)))
-        return every if self.sufficient is None else self.sufficient
+        every, redundant = range(len(self.description.constraints)), self.description.redundant
+        return tuple(k for k in every if k not in redundant)
+
+    @cached_property
+    def with_independent_rows(self) -> "Mechanism":
+        """The same with independent rows in the place of constraints that follow from others."""
+        kernels, description = self.kernels, self.description
+        names = "constraints", "jacobian", "velocity_rhs", "acceleration_rhs"
+        chosen = {name: getattr(kernels, f"independent_{name}") for name in names}
+        tables = replace(
+            description,
+            jacobian_rows=description.independent_jacobian_rows,
+            jacobian_columns=description.independent_jacobian_columns,
+        )
+        return replace(self, kernels=replace(kernels, **chosen), description=tables, whole=self)
 
     @cached_property
     def siblings(self) -> dict[str, "Mechanism"]:

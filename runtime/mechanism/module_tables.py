@@ -56,6 +56,8 @@ class Description:
     start: Table[StartValue]
     jacobian_rows: Indices
     jacobian_columns: Indices
+    independent_jacobian_rows: Indices  # of the rows without redundant ones, if there are any
+    independent_jacobian_columns: Indices
     mass_rows: Indices
     mass_columns: Indices
     operations: tuple[tuple[str, int], ...]
@@ -65,6 +67,8 @@ class Description:
     outputs: tuple[str, ...] | None = None  # named in addition to the motion; None: "default"
     # constraints whose multipliers are answered; None: all
     recovered: tuple[int, ...] | None = None
+    redundant: tuple[int, ...] = ()  # constraints in whose places no independent row stands
+    free: int = 0  # number of vectors that `free_multipliers` writes
     kernels: frozenset[str] = frozenset()  # what the module defines, its kernels among it
     rigid: Table[RigidContact] = field(default=Table())
     stiction: tuple[int, ...] = ()

@@ -29,7 +29,7 @@ def find_sparse_pivots(context: Context, row: int, search: int) -> int:
 
     Its pivots are written into row `row` of the pivots, in an order of their own if `search`, else
     in that of the last search; the order is `pivot_rows` and `pivot_columns`, of rows without a
-    pivot -1. Returns 1 where every row has a pivot, else 0.
+    pivot -1. Returns 1 where every row with an entry has a pivot, else 0.
     """
     rows, columns = context.jacobian_rows, context.jacobian_columns
     scale = ws.second_half(context, ws.PARTITION)
@@ -65,7 +65,7 @@ def find_sparse_pivots(context: Context, row: int, search: int) -> int:
     regular = 1
     for k in range(m):
         pivots[order[k]] = upper.values[upper.starts[k]] if k < rank else 0.0
-        if not abs(pivots[order[k]]) > REDUNDANT:
+        if lengths[order[k]] > 0.0 and not abs(pivots[order[k]]) > REDUNDANT:
             regular = 0
     return regular
 
@@ -173,17 +173,13 @@ def next_zero(
 ) -> tuple[float, int]:
     """Time, by linear interpolation, of the pivot that vanishes next after `beyond`, and its row.
 
-    The time lies between `back` and `ahead`, or is infinite. Unless all rows are independent, one
-    without a pivot now follows from others wherever these hold.
+    The time lies between `back` and `ahead`, or is infinite.
     """
     now, later = context.pivots[NOW], context.pivots[LATER]
-    independent = context[ft.RANK] == context[ft.CONSTRAINT_COUNT]
     nearest, which = np.inf, 0
     for i in range(now.size):
         change = later[i] - now[i]
         if max(abs(now[i]), abs(later[i])) <= REDUNDANT or change == 0.0:
-            continue
-        if abs(now[i]) <= REDUNDANT and not independent:
             continue
         s = -now[i] * span / change
         if back <= s <= ahead and beyond < abs(s) < abs(nearest):
@@ -304,8 +300,7 @@ def predict_vanishing_pivot(context: Context, t: float, h: float, state: int) ->
             trusted = 0.0 if nearest < np.inf else ahead
             plan_next_look(context, t, h, trusted, weakest, speed, ws.K)
         if not nearest < np.inf:
-            independent = context[ft.RANK] == context[ft.CONSTRAINT_COUNT]
-            if candidate == 0 and not failed and independent:
+            if candidate == 0 and not failed:
                 remember(context, t + h, weakest)
             return np.inf
         beyond = abs(nearest)

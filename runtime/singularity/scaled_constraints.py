@@ -103,15 +103,6 @@ class ScaledConstraints:
         left, values, _ = np.linalg.svd(matrix[:, :-1])
         return left[:, -1], float(values[-1]), -matrix[:, -1]
 
-    def all_rows(self, t: float, q: Vector) -> Matrix:
-        """Φ_q of all constraints, columns scaled and rows made unit length, shape (m, n)."""
-        values = self.entries(t, q, 0.0)[: self.rows.size]
-        matrix = np.zeros((self.m, self.scale.size))
-        np.add.at(matrix, (self.rows, self.columns), values)
-        lengths = np.linalg.norm(matrix, axis=1)
-        unit: Matrix = matrix / np.where(lengths > 0.0, lengths, 1.0)[:, None]
-        return unit
-
     def gaps(self, t: float, q: Vector) -> Vector:
         """Φ, shape (m',)."""
         phi = np.zeros(self.m)

@@ -15,7 +15,6 @@ from typing import NamedTuple
 import numpy as np
 
 from runtime.core.arrays import EPS, Vector
-from runtime.linalg.rank_policy import LOST
 from runtime.singularity.motion_polynomial import Motion, distance, nearest_time
 from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.schur_complement import PivotOrders
@@ -153,12 +152,7 @@ def _characterise(search: Search, root: Root, s: float, most: int) -> Singularit
     if miss > 0.1 * abs(s) * search.speed + 1e-3:
         return None
     passage = search.passage(root, rate, most)
-    count, direction = passage.lost, passage.direction
-    if constraints.independent.size < constraints.m:
-        found = _lost_by_all_rows(search, root, direction)
-        if found is None:
-            return None
-        count, direction = found
+    direction = passage.direction
     rows = np.zeros(constraints.m)
     # Of shares that differ by rounding alone the first is to be the largest.
     rows[constraints.independent] = passage.shares.round(9)
@@ -166,7 +160,7 @@ def _characterise(search: Search, root: Root, s: float, most: int) -> Singularit
         t=search.motion.t + s,
         q=root.z[:-1] * constraints.scale,
         rows=rows,
-        lost=count,
+        lost=passage.lost,
         direction=direction / max(float(np.linalg.norm(direction)), 1e-300),
         gap=root.gap,
         rate=passage.weakest,
@@ -176,26 +170,3 @@ def _characterise(search: Search, root: Root, s: float, most: int) -> Singularit
         miss=miss,
         due=float(root.z[-1]) / search.speed if root.freedom == 0 else np.nan,
     )
-
-
-def _lost_by_all_rows(search: Search, root: Root, direction: Vector) -> tuple[int, Vector] | None:
-    """Number of constraints lost and the null direction, with redundant rows taken into account.
-
-    None where all rows together determine every coordinate. Rows that are independent elsewhere can
-    lose more here than all rows together: a redundant one may hold where they do not.
-    """
-    constraints = search.constraints
-    matrix = constraints.all_rows(root.z[-1] / search.speed, root.z[:-1] * constraints.scale)
-    _, values, right = np.linalg.svd(matrix)
-    rank = int((values > LOST).sum())
-    null = right[rank:]
-    if not len(null):
-        return None
-    allowed: Vector = null.T @ (null @ direction)
-    size = float(np.linalg.norm(allowed))
-    if size < LOST:
-        # Nothing of it is left: take the null direction that is least along the motion.
-        along = null @ search.path.velocity[:-1]
-        others = np.linalg.svd(along[None, :])[2][1:] if len(null) > 1 else np.eye(len(null))
-        allowed, size = others[0] @ null, 1.0
-    return max(constraints.independent.size - rank, 0), allowed / size

@@ -120,7 +120,7 @@ class StaticEquations:
         weight = np.ones_like(q)
         task = Task(equations, self.t, self.scale, sizes, rows, part.dependent, weight)
         closed = refine(task, begin)
-        gaps = np.abs(equations.constraints(self.t, closed) / sizes)
+        gaps = np.abs(equations.whole.constraints(self.t, closed) / sizes)
         if not (gaps[rows].max() <= CLOSED and gaps.max() <= _REDUNDANT_GAP):
             return None
         return closed if np.abs((closed - begin) / self.scale).max() < _CORRECTION else None

@@ -228,7 +228,7 @@ def equilibrium(
         outcome=Outcome.OK if position.balanced and at_rest else Outcome.UNBALANCED,
         message=message + redundancy_note(start), stats=stats, not_unique=start.not_unique,
     )  # fmt: skip
-    result._mechanism = equations.mechanism
+    result._mechanism = equations.whole.mechanism
     end_before_infinite(result, equations)
     name_left_tables(result, equations)
     return result

@@ -170,12 +170,13 @@ def finish_run(common: Any, own: Any, results: Any, run: int) -> bool:
     begin = own.start
     evaluate_samples(
         own.table, samples, own.p, own.modes, begin.slope_rows, begin.slope_columns, own.slopes,
-        own.phi,
+        own.phi, 0, own.phi[:0],
     )  # fmt: skip
     if sliding:
         copy_vector(own.fresh_mixing, own.mixing_block)
         mix_rows(
-            own.mixing_table, begin, common.diagonal, samples, own.p, own.masses, own.powers
+            own.mixing_table, begin, common.diagonal, samples, own.p, own.masses, own.powers, 0,
+            own.phi[:0],
         )  # fmt: skip
     for k in range(samples.t.size):
         finite = is_finite(samples.a[k]) and is_finite(samples.reaction[k])

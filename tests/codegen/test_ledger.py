@@ -134,7 +134,7 @@ def test_stages_end_in_the_scene_s_own_kernel(root: Path) -> None:
     model = read_model(root / "models" / "hard" / "guide_friction.py").model
     (scene,) = valid_scenes(model, "rocking")
     equations = derive(model, scene)
-    programs = cumulative_programs(equations)
+    programs = cumulative_programs(lower(equations))
     chain = timing_stages(programs)
     counts = operations_by_part(programs)
     sizes = [operations(s.program, s.program.kernels[-1]) for s in chain]
@@ -157,7 +157,7 @@ def test_measured_parts_telescope(root: Path, monkeypatch: pytest.MonkeyPatch) -
     model = read_model(root / "models" / "slider_crank.py").model
     (scene,) = valid_scenes(model, "inverse_dynamics")
     equations = derive(model, scene)
-    programs = cumulative_programs(equations)
+    programs = cumulative_programs(lower(equations))
     chain = timing_stages(programs)
     states = about_the_start(programs[-1])
     seen: list[timing.Timed] = []
@@ -183,7 +183,7 @@ def test_states_are_put_together_and_have_their_modes(root: Path) -> None:
     model = read_model(root / "models" / "slider_crank.py").model
     (scene,) = valid_scenes(model, "compressor")
     equations = derive(model, scene)
-    lowered = cumulative_programs(equations)[-1]
+    lowered = cumulative_programs(lower(equations))[-1]
     states = about_the_start(lowered)
     names = [c.name for c in equations.coordinates]
     at = dict(zip(names, states.q.mean(axis=0), strict=True))

@@ -320,13 +320,13 @@ def test_a_loop_that_moves_with_time_and_a_contact_have_reduced_equations(
 
 
 def test_all_that_is_wrong_is_told_at_once(library: Library) -> None:
-    machine = library("hard/parallel_linkage", "fall")
+    machine = library("hard/guide_friction", "running_down")
     with pytest.raises(InputError) as caught:
         machine.simulate(0.1, formulation="reduced", correction="baumgarte", progress=False)
     problems = caught.value.problems
     assert len(problems) == 2
     assert "correction='baumgarte'" in problems[0]
-    assert "follow from other constraints" in problems[1]
+    assert "stick by a force that follows from a reaction" in problems[1]
     assert all('formulation="cartesian"' in problem for problem in problems)
 
 

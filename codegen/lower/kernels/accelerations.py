@@ -239,9 +239,10 @@ def is_large(scene: SceneGraph) -> bool:
 
 
 def elimination(
-    scene: SceneGraph, labels: Labels, structure: Structure | None = None
-) -> Elimination:
-    """The system [M Φ_qᵀ; Φ_q 0], with a right side for the forces and for each friction.
+    scene: SceneGraph, labels: Labels, structure: Structure | None = None,
+    right: list[list[int]] | None = None,
+) -> Elimination:  # fmt: skip
+    """The system [M Φ_qᵀ; Φ_q 0], by default with a right side for the forces and each friction.
 
     In a `structure` its values are kinds of values.
     """
@@ -250,8 +251,10 @@ def elimination(
     entries, references = augmented(graph, mass, jacobian, n)
     for i, size in references.items():
         labels.name(size, "size", i)
-    right, duals = [scene.forces + scene.gamma], frozenset(range(n, n + scene.m))
-    for friction in scene.frictions:  # a unit force of it
+    duals = frozenset(range(n, n + scene.m))
+    forces = scene.frictions if right is None else ()
+    right = right or [scene.forces + scene.gamma]
+    for friction in forces:  # a unit force of it
         push = [friction.direction.get(k, scene.graph.zero) for k in range(n)]
         right.append([*push, *[scene.graph.zero] * scene.m])
     if structure:
@@ -309,7 +312,7 @@ def dynamics_kernel(
     scene: SceneGraph, strategy: Strategy, rows: tuple[int, ...], refine: bool = False
 ) -> Kernel:
     """The fused kernel by one order of elimination, with a step of refinement or without."""
-    n, graph = scene.n, scene.graph
+    n, graph, names = scene.n, scene.graph, scene.row_names
     labels = _labels(scene)
     labels.step("Sizes that the pivots are compared with: the diagonal of Φ_q M⁻¹ Φ_qᵀ")
     with graph.serving("factorization"):
@@ -321,11 +324,14 @@ def dynamics_kernel(
             labels.solved(columns)
         if scene.frictions:
             labels.step("Friction: its forces, and what they change")
+        columns = [[*column[:n], *scene.multipliers(column[n:])] for column in columns]
         solution, rubbing = with_friction(scene, columns)
-        labels.solved([solution])
+        if scene.m == len(names):
+            labels.solved([solution])
     outputs = store("a", solution[:n], scene.rates)
-    outputs += tuple(Output("lam", row, solution[n + row], scene.rows[row]) for row in rows)
-    checks = [check._replace(constraint=check.constraint - n) for check in system.checks]
+    outputs += tuple(Output("lam", row, solution[n + row], names[row]) for row in rows)
+    stated = scene.stated
+    checks = [check._replace(constraint=stated[check.constraint - n]) for check in system.checks]
     checks += rubbing
     summary = "q̈ and λ of M q̈ + Φ_qᵀ λ = Q, Φ_q q̈ = γ."
     return labels.kernel("accelerations", summary, ARGUMENTS, outputs, checks)
@@ -345,7 +351,7 @@ def _labels(scene: SceneGraph) -> Labels:
 
 def _kinematics(scene: SceneGraph) -> Kernel:
     """Accelerations that the constraints alone determine, the least where they leave a choice."""
-    graph, rates = scene.graph, scene.rates
+    graph, rates, stated = scene.graph, scene.rates, scene.stated
     ones, unknowns = [graph.one] * scene.n, [[f"{rate}_rate" for rate in rates]]
     right, stems = [scene.gamma], ["gamma"]
     with graph.serving("factorization"):
@@ -353,4 +359,5 @@ def _kinematics(scene: SceneGraph) -> Kernel:
         (solution,), solver = solutions(task)[0]
     outputs = store("a", solution, rates)
     summary = "q̈ of Φ_q q̈ = γ (of least norm while drivers are missing)."
-    return solver.labels.kernel("accelerations", summary, ARGUMENTS, outputs, solver.checks)
+    checks = [check._replace(constraint=stated[check.constraint]) for check in solver.checks]
+    return solver.labels.kernel("accelerations", summary, ARGUMENTS, outputs, checks)

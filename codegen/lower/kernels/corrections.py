@@ -17,6 +17,7 @@ product of the rows' squares, as the pivots of Φ_q Φ_qᵀ are against its diag
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from codegen.lower.graph import Graph
 from codegen.lower.linear.factorization import Entries
@@ -157,8 +158,10 @@ Solution = tuple[list[list[int]], SparseRows]
 
 def correction(scene: SceneGraph) -> Kernel:
     """The kernel of a scene in all its coordinates."""
-    equations = scene.graph, scene.jacobian, scene.phi, scene.nu
-    return least_correction(*equations, scene.v, scene.w, scene.names, scene.rows)
+    equations, stated = (scene.graph, scene.jacobian, scene.phi, scene.nu), scene.stated
+    kernel = least_correction(*equations, scene.v, scene.w, scene.names, scene.rows)
+    checks = (check._replace(constraint=stated[check.constraint]) for check in kernel.checks)
+    return replace(kernel, checks=tuple(checks))
 
 
 def least_correction(

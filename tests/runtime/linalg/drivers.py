@@ -8,6 +8,7 @@ from runtime.core.kernel_abi import SIGNATURES
 from runtime.linalg import (
     dense_elimination,
     leading_block,
+    least_multipliers,
     orthogonal_factors,
     symbolic_elimination,
 )
@@ -43,6 +44,11 @@ def solve_cholesky(factor, x):
 @compiled(none(matrix, matrix))
 def orthonormalise(factor, vectors):
     orthogonal_factors.orthonormalise(factor, vectors)
+
+
+@compiled(none(vector, i8, vector))
+def minimise_norm(free, count, lam):
+    least_multipliers.minimise_norm(free, count, lam)
 
 
 @compiled(i8(matrix, i8, vector, f8))
@@ -95,8 +101,3 @@ def replay_plan(t, p, scale, rows, columns, values, flat, plan, lengths, pivots)
     entries_linear_in_time(t, scale, p, values)
     sparse = dense_elimination.Sparse(rows, columns, values)
     return int(symbolic_elimination.replay_plan(sparse, scale, flat, plan, lengths, pivots))
-
-
-@compiled(i8(matrix, integers, f8))
-def factor_semidefinite(a, order, least):
-    return orthogonal_factors.factor_semidefinite(a, order, least)

@@ -2,12 +2,7 @@
 
 import numpy as np
 
-from tests.runtime.linalg.drivers import (
-    factor_gram,
-    factor_semidefinite,
-    orthonormalise,
-    solve_cholesky,
-)
+from tests.runtime.linalg.drivers import factor_gram, orthonormalise, solve_cholesky
 
 VECTORS = np.random.default_rng(4).normal(size=(9, 4))
 VECTORS[2] = 0.0
@@ -35,17 +30,3 @@ def test_columns_become_orthonormal_and_span_the_same():
 def test_dependent_columns_have_no_factor():
     vectors = np.array([[1.0, 2.0], [2.0, 4.0], [0.0, 0.0]])
     assert factor_gram(vectors, np.zeros((2, 2))) == 0
-
-
-def test_a_semidefinite_matrix_is_factored_as_far_as_its_rank():
-    """P A Pᵀ = L Lᵀ with pivots of falling size; only the lower half is read."""
-    random = np.random.default_rng(7)
-    vectors = random.normal(size=(3, 6)) * 10.0 ** np.arange(-2.0, 4.0)
-    a = vectors.T @ vectors
-    lower, order = np.tril(a), np.zeros(6, np.int64)
-    assert factor_semidefinite(lower, order, 1e-9 * a.max()) == 3
-    assert sorted(order) == list(range(6))
-    factor = np.tril(lower)[:, :3]
-    np.testing.assert_allclose(factor @ factor.T, a[np.ix_(order, order)], atol=1e-9 * a.max())
-    assert np.all(np.diff(np.diag(factor)) <= 0.0)
-    assert factor_semidefinite(np.zeros((2, 2)), order[:2], 0.0) == 0

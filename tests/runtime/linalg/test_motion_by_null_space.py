@@ -4,8 +4,9 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from runtime.linalg.motion_by_null_space import solve_motion_by_null_space
-from tests.runtime.linalg.test_redundant_constraints_solve import sparse
+from runtime.linalg.motion_by_null_space import solve_factored, solve_motion_by_null_space
+from tests.runtime.linalg.test_full_pivoting import factored
+from tests.runtime.linalg.test_least_multipliers import sparse
 
 
 def exact(jacobian, mass, force, gamma, digits=50):
@@ -98,3 +99,11 @@ def test_a_free_motion_that_no_mass_resists_is_refused():
     a, lam = np.zeros(3), np.zeros(1)
     matrices = sparse(jacobian), sparse(mass)
     assert solve_motion_by_null_space(*matrices, np.ones(3), np.ones(1), a, lam) != 0
+
+
+def test_a_factored_system_gives_unknowns_without_pivot_no_value():
+    matrix = np.array([[0.0, 2.0, 0.0], [4.0, 8.0, 0.0], [0.0, 0.0, 0.0]])
+    rank, a, row_order, column_order = factored(matrix, 1e-10)
+    x = np.full(3, 9.0)
+    solve_factored(a, rank, row_order, column_order, np.array([2.0, 4.0, 0.0]), x)
+    np.testing.assert_allclose(x, [-1.0, 1.0, 0.0], atol=1e-15)

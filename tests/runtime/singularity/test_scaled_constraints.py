@@ -19,13 +19,6 @@ def test_entries_are_derivatives_by_scaled_coordinates_and_time():
     np.testing.assert_allclose(scaled.dense(entries), np.column_stack(columns), atol=1e-8)
 
 
-def test_all_rows_have_unit_length_or_none():
-    scaled = mechanism(c=0.0, scale=SCALE)
-    np.testing.assert_allclose(np.linalg.norm(scaled.all_rows(T, Q), axis=1), 1.0, rtol=1e-14)
-    level = scaled.all_rows(T, np.zeros(3))
-    np.testing.assert_allclose(np.linalg.norm(level, axis=1), [1.0, 0.0])
-
-
 def test_dependent_rows_are_set_aside():
     scaled = mechanism()
     scaled.independent = np.array([1])
@@ -35,4 +28,3 @@ def test_dependent_rows_are_set_aside():
     np.testing.assert_array_equal(columns, [0, 1, 2, 0, 1, 2, 3, 3])
     dense = scaled.dense(scaled.entries(T, Q, 1.0))
     np.testing.assert_allclose(dense[0, :3], [2 * 0.4, 2 * 0.7, 0.5])
-    assert scaled.all_rows(T, Q).shape == (2, 3)

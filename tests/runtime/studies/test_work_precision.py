@@ -346,6 +346,6 @@ def test_building_is_timed_stage_by_stage(companions: tuple[str], stages: list[s
     """Companions that no setting takes are left out."""
     model = speck()
     found = build_costs(model, model.scenes["fly"], companions)
-    assert [*found] == ["derive", "lower", "examine", "emit", "compile", *stages, "load, warm"]
+    assert [*found] == ["derive", "examine", "lower", "emit", "compile", *stages, "load, warm"]
     assert all(seconds > 0.0 for seconds in found.values())
     assert found["load, warm"] < found["compile"]
