@@ -38,6 +38,7 @@ from codegen.declare.symbols import (
 )
 from codegen.declare.value_reader import compile_problem
 from codegen.derive.piecewise_conditions import KINKED, STEPS, is_known_beforehand
+from codegen.elements.forces.mass_flow import MassLaw
 from codegen.errors import ModelError
 from codegen.readers.expressions import distinct_nodes, plain_expression
 from codegen.readers.values import nearest, shown
@@ -207,10 +208,10 @@ class _ElementCheck:
         bodies = {body.name for body in self.element.bodies}
         for q in sorted((s for s in symbols if isinstance(s, Coordinate)), key=str):
             if q.owner in self.model.bodies and q.owner not in bodies:
-                yield (
-                    f"{where} uses {q}, but '{q.owner}' is none of its bodies, with which it takes "
-                    "part in a scene; name it there, too."
-                )
+                advice = ", with which it takes part in a scene; name it there, too."
+                if isinstance(self.element, MassLaw):
+                    advice = f"; declare '{q.owner}' before '{self.element.body.name}'."
+                yield f"{where} uses {q}, but '{q.owner}' is none of its bodies{advice}"
         rows = dict(zip(statement.rows, statement.phi, strict=True))
         for row, own in statement.own:
             if own.owner != self.element.name:

@@ -97,7 +97,7 @@ class _SceneCheck:
             if absent := sorted(owners - self.present):
                 yield f"{where} by '{absent[0]}', which takes no part; leave the body out, too."
             shares = sympy.Add(*(one.share for one in flows if one.point.body is body))
-            if body.laws and sympy.nsimplify(shares, tolerance=ROUNDING) != 1:
+            if body.laws and sympy.nsimplify(sympy.simplify(shares), tolerance=ROUNDING) != 1:
                 yield (
                     f"{where}, and the shares of its mass flows that act add up to {shares}, not "
                     "to 1; declare model.mass_flow(...) where the matter comes or goes, and name "

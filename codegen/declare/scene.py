@@ -32,9 +32,10 @@ class ExpressionOutput(NamedTuple):
 
     @property
     def owners(self) -> set[str]:
-        """Names of the bodies, states and elements to which something in it belongs."""
+        """Names of the bodies, states and elements to which something in it, or it, belongs."""
         places = kinds(self.expression, Coordinate, Velocity)
-        return {s.name.rpartition("_")[0] for s in places} | {s.owner for s in self.series}
+        series = {self.name.partition(".")[0], *(s.owner for s in self.series)}
+        return series | {s.name.rpartition("_")[0] for s in places}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,7 +15,7 @@ import sympy
 
 from codegen.declare.body import Bodies, Loads
 from codegen.declare.element import Effect
-from codegen.declare.symbols import Velocity, own_coordinate
+from codegen.declare.symbols import Coordinate, Velocity, own_coordinate
 
 Action = Literal["until", "sample", "release", "engage"]
 WATCHED = "condition"  # kind of a condition that is watched
@@ -169,6 +169,7 @@ class StateRate(Effect):
 
 
 def states_in(*values: Any) -> frozenset[str]:
-    """Names of the states in expressions."""
-    symbols = (s for e in values for s in e.free_symbols if isinstance(s, Velocity))
-    return frozenset(s.coordinate.owner for s in symbols if s.coordinate.letter == "integral")
+    """Names of the states in expressions, also of those whose integrals are."""
+    symbols = (s for e in values for s in e.free_symbols if isinstance(s, Coordinate | Velocity))
+    places = (s.coordinate if isinstance(s, Velocity) else s for s in symbols)
+    return frozenset(q.owner for q in places if q.letter == "integral")

@@ -15,7 +15,7 @@ def derived_outputs(
     """The derived outputs of a scene, each behind those that it contains."""
     asked = {symbol.name for one in scene.expressions for symbol in one.series}
     asked.update(scene.outputs or ())
-    for point in points:
+    for point in points if scene.analysis != "equilibrium" else ():
         x, y = f"{point.name}.ax", f"{point.name}.ay"
         if asked & {"accelerations", f"acceleration({point.name})", x, y}:
             place = vars(point)["point"]

@@ -134,7 +134,8 @@ class Equations:
         named = {state.name for state in self.states} & {*self.scene.request.effects}
         rates = {state.name for state in self.states}
         effects = [e.terms for e in rest if e.name not in rates]
-        needed = {*named, *states_in(*expressions_in(effects))}
+        phi = (row for c in self.constraints for row in c.statement.phi)
+        needed = {*named, *states_in(*expressions_in(effects), *phi)}
         pending = {*needed}
         while pending:
             parts = [e for state in self.states if state.name in pending for e in state.expressions]
@@ -157,8 +158,9 @@ class Equations:
         )
 
     def with_effects(self, effects: tuple[EffectEquations, ...]) -> "Equations":
-        """These equations with other effects, their switching functions and their conditions."""
+        """These equations with other effects, their switching functions, conditions and outputs."""
         gone = {label(e) for e in self.effects} - {label(e) for e in effects}
+        lost = {e.name for e in self.effects} - {e.name for e in effects}
         named = tuple((e.name, e.terms) for e in effects)
         switches, moves = (
             sf.labelled(sf.switches(named), self.labels),
@@ -170,6 +172,7 @@ class Equations:
         return replace(
             self,
             effects=effects,
+            derived=tuple(one for one in self.derived if lost.isdisjoint(one.owners)),
             switches=switches,
             sides=sf.side_values(named, switches),
             stiction=sf.stiction(named, switches) if moves else (),

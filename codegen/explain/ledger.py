@@ -343,13 +343,11 @@ def _ledger(model: Model, scene: Scene, clock: Clock) -> tuple[Ledger, tuple[Low
         effect = part.acts and part.role == "effect"
         own = costs.marginal_operations(programs[-1], part.name) if effect else {}
         events = tuple(s.text for s in equations.switches if s.effect == part.name)
-        added = counts.get(part.name, {}) if part.acts else {}
+        added = counts.pop(part.name, {}) if part.acts else {}  # a joint's with its point's
         parts.append(replace(part, operations=added, own=own, events=events))
-    declared = {part.name for part in parts}
     parts += [
         Part(name or "sums", SHARED.get(name, "shared"), "shared", True, "shared", operations)
         for name, operations in counts.items()
-        if name not in declared
     ]
     kernels, outputs = tuple(k for k in totals if totals[k]), output_inventory(model, scene)
     left_out = equations.left_out

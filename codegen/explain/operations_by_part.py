@@ -76,7 +76,8 @@ def operations_by_part(programs: tuple[Lowered, ...]) -> Counts:
         after = operations_of(lowered)
         added = {k: after.get(k, 0) - totals.get(k, 0) for k in {**totals, **after}}
         effect = lowered.scene.equations.effects[-1].name
-        by_part[effect] = {kernel: count for kernel, count in added.items() if count}
+        so_far = by_part.setdefault(effect, {})  # a point may have the name of a joint
+        so_far |= {k: so_far.get(k, 0) + count for k, count in added.items() if count}
         totals = after
     for name, total in totals.items():
         parts = sum(counts.get(name, 0) for counts in by_part.values())

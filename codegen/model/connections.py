@@ -9,6 +9,7 @@ import sympy
 from codegen.declare.element import Constraint
 from codegen.declare.scene import name_of
 from codegen.declare.state import Connection
+from codegen.elements.forces.mass_flow import MASS_LAW
 from codegen.model.base import Declarations
 from codegen.readers.values import nearest, shown
 
@@ -61,8 +62,9 @@ class Connections(Declarations):
         self, word: str, joint: Any, acts_first: bool, released: Any, engaged: Any
     ) -> None:
         name, where = name_of(joint), f"{word} of joint"
-        if name not in self.joints:
-            kind = self._kinds.get(name)
+        found = self.joints.get(name)
+        if found is None or found.kind == MASS_LAW:
+            kind = found.kind if found else self._kinds.get(name)
             hint = f"it is the name of a {kind}" if kind else nearest(name, self.joints)
             self._note(f"model.{word}: there is no joint '{name}'; {hint}")
             return

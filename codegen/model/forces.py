@@ -7,7 +7,7 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import Effect
-from codegen.declare.symbols import Coordinate
+from codegen.declare.symbols import MASSES, Coordinate
 from codegen.elements.forces.applied import (
     AppliedForce,
     AppliedTorque,
@@ -144,8 +144,8 @@ class Forces(Declarations):
         if not given:
             self._note(f"force '{name}' has no components; write {like}.")
         for coordinate, force in given.items():
-            if not isinstance(coordinate, Coordinate):
-                self._note(f"force '{name}': {shown(coordinate)} is no coordinate; write body.x.")
+            if not isinstance(coordinate, Coordinate) or coordinate.letter in MASSES:
+                self._note(f"force '{name}': {shown(coordinate)} moves no body; write body.x.")
                 continue
             unit = coordinate.measure.force_unit
             pairs.append((coordinate, self._read.gated(force, unit, f"force '{name}'", when)))

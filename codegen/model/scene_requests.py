@@ -298,7 +298,8 @@ class SceneRequests(MovingBodies, Connections, ExpressionOutputs):
                 found |= states_in(*effect_expressions(effect, bodies))
         changes = (self.connections[name] for name in self._present(scene.bodies, ()))
         indicators = [e for one in changes for e in (one.released, one.engaged) if e is not None]
-        found |= states_in(*(one.indicator for one in scene.until), *indicators)
+        laws = (law for body in bodies for _, law in body.laws)  # of masses
+        found |= states_in(*(one.indicator for one in scene.until), *indicators, *laws)
         pending = found & {*self.states}
         while pending:
             parts = (e for name in pending for e in self.states[name].expressions)

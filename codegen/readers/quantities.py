@@ -117,15 +117,27 @@ def _si_name(name: str) -> str:
     one = registry().Quantity(1.0, pint_form(name))
     turns = _exponent(one.to_root_units(), "radian")
     for unit in _SI_UNITS:
-        other = _measured(1.0, unit)
+        other = measured(1.0, unit)
         if one.is_compatible_with(other) and _exponent(other.to_root_units(), "radian") == turns:
             return unit
     return f"({one.to_base_units().units:~C})".replace("**", "^")
 
 
+def whole_unit(quantity: Any) -> str:
+    """The unit of a quantity by whole powers of its units, else of base units; empty: by none."""
+    for one in quantity, quantity.to_base_units():
+        powers = {registry().get_symbol(name): round(p, 6) for name, p in one.unit_items()}
+        if all(p == int(p) for p in powers.values()):
+            names = sorted(powers, key=lambda name: (name in ("m", "s", "rad"), name))
+            texts = [(powers[n], f"{n}^{abs(powers[n]):g}".removesuffix("^1")) for n in names]
+            above, below = (" ".join(x for p, x in texts if s * p > 0) for s in (1, -1))
+            return f"{above or 1}/{below}" if below else above or "1"
+    return ""
+
+
 def same_dimension(one: str, other: str) -> bool:
     """Whether two units convert into each other; the empty text is that of a pure number."""
-    return bool(_measured(1.0, one).is_compatible_with(_measured(1.0, other)))
+    return bool(measured(1.0, one).is_compatible_with(measured(1.0, other)))
 
 
 def is_quantity(value: object) -> bool:
@@ -219,16 +231,16 @@ def converted(values: Any, given: str, unit: str) -> Any:
         return values
     asked = given
     try:
-        measured = _measured(values, given)
+        quantity = measured(values, given)
         asked = unit
-        _measured(1.0, unit)
+        measured(1.0, unit)
     except ModelError:
         raise
     except Exception as error:  # pint raises several kinds
         raise UnitError(
             f"{shown(asked)} is no unit; write products of powers, such as N m or kg m^2/s."
         ) from error
-    return _converted(measured, unit)
+    return _converted(quantity, unit)
 
 
 def converts(given: str, unit: str) -> bool:
@@ -253,7 +265,7 @@ def fitting_units(own: dict[str, str], unit: Any) -> dict[str, str]:
     return shown
 
 
-def _measured(values: Any, unit: str) -> Any:
+def measured(values: Any, unit: str) -> Any:
     """Numbers as a quantity of a unit; the empty text is that of pure numbers."""
     return registry().Quantity(values, pint_form(unit) if unit else "")
 
@@ -266,7 +278,7 @@ def _text(quantity: Any) -> str:
 
 def _converted(quantity: Any, unit: str) -> Any:
     """The magnitude of a quantity in a unit."""
-    target = _measured(1.0, unit).units
+    target = measured(1.0, unit).units
     needed = unit or "a pure number"
     try:
         if not quantity.is_compatible_with(target):
@@ -329,12 +341,12 @@ def _table_of_another_unit(value: Any, unit: str) -> str | None:
     if not hasattr(type(value), "as_coeff_Mul"):
         return None
     factor, table = value.as_coeff_Mul()
-    measured = getattr(table, "table_unit", "")
-    if not measured or abs(factor) != 1 or same_dimension(measured, unit):
+    own = getattr(table, "table_unit", "")
+    if not own or abs(factor) != 1 or same_dimension(own, unit):
         return None
     needed = unit or "a pure number"
     return (
-        f"table '{table.table.name}' has values in {measured}, but {needed} is needed; give the "
+        f"table '{table.table.name}' has values in {own}, but {needed} is needed; give the "
         "table other units=, or write the factor between both."
     )
 

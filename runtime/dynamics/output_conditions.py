@@ -169,7 +169,7 @@ def _located(result: Result, condition: OutputCondition, t: FloatArray, row: int
         return float(t[0])
 
     def excess(at: float) -> float:
-        return float(condition.of(result.at(at))[0])
+        return float(np.nan_to_num(condition.of(result.at(at))[0], nan=-1.0))  # no number: not
 
     low, high = float(t[row - 1]), float(t[row])
     if excess(low) > 0.0 or excess(high) <= 0.0:  # it jumps there

@@ -216,7 +216,7 @@ def _room_of_multipliers(equations: Equations) -> Vector:
 
 
 def leave_out_unknown(description: Description, samples: Samples) -> None:
-    """Make no numbers of multipliers and energies that the kernels do not compute, and 0 of -0."""
+    """Make no numbers of what the kernels do not compute or an expression has not, and 0 of -0."""
     if description.recovered is not None:
         every = np.arange(len(description.constraints))
         samples.lam[..., np.setdiff1d(every, description.recovered)] = np.nan
@@ -224,6 +224,9 @@ def leave_out_unknown(description: Description, samples: Samples) -> None:
         for k, name in enumerate(ENERGIES):
             if name not in description.kernels:
                 samples.energy[..., k] = np.nan
+    own = [k for k, row in enumerate(description.reactions) if not row.component]
+    values = samples.reaction[..., own]
+    samples.reaction[..., own] = np.where(np.isfinite(values), values, np.nan)
     for values in (samples.reaction, samples.power):
         np.add(values, 0.0, out=values)
 

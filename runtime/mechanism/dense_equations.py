@@ -16,6 +16,7 @@ from runtime.core.arrays import Kernel
 from runtime.core.kinds import MIXED, SLIDING
 from runtime.linalg.least_norm import SPARSE_FROM
 from runtime.mechanism.mechanism import Mechanism
+from runtime.mechanism.table_rows import MASS_LAW
 from runtime.mechanism.typical_sizes import StartTable, measure, measure_rows, start_table
 from runtime.singularity.scaled_constraints import ScaledConstraints
 
@@ -36,6 +37,8 @@ class Equations:
         self.bands = np.zeros(len(self.boundaries))  # of g about zero, see `widen_bands`
         self.n, self.m = len(self.description.coordinates), len(self.description.constraints)
         self.still = np.zeros(self.n)  # velocities at rest: zero, but for states of first order
+        rows, names = enumerate(self.description.constraints), self.description.coordinates.names
+        self.mass_laws = [(i, names.index(row.name)) for i, row in rows if row.kind == MASS_LAW]
         self.is_large = self.n >= SPARSE_FROM  # so that sparse factors take less than dense ones
 
     @cached_property
@@ -147,6 +150,12 @@ class Equations:
         """Accelerations, multipliers, and 1 + the constraint whose pivot is weak, or 0."""
         a, lam = np.zeros(self.n), np.zeros(self.m)
         return a, lam, int(self.kernels.accelerations(t, q, v, self.p, modes, a, lam))
+
+    def at_rest(self, t: float, q: FloatArray) -> FloatArray:
+        """Velocities at rest, (n,): `still`, and of masses the rates by their laws."""
+        for i, k in self.mass_laws * len(self.mass_laws):  # a law may have the mass of another
+            self.still[k] += (self.velocity_rhs(t, q) - self.jacobian(t, q) @ self.still)[i]
+        return self.still
 
     def rest_modes(self, t: float, q: FloatArray) -> IntArray:
         """Modes at rest, shape (s,); a condition at its boundary has the mode that is given there.

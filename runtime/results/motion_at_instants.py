@@ -12,7 +12,7 @@ from codegen.readers.quantities import each_in_unit
 from codegen.readers.values import shown
 from runtime.core.arrays import EPS
 from runtime.results.assembled_state import DiscreteState, State
-from runtime.results.samples import FloatArray, Samples
+from runtime.results.samples import FloatArray, Samples, undefined_outputs
 
 if TYPE_CHECKING:
     from runtime.results.result import Result
@@ -157,6 +157,8 @@ def _sampled(result: "Result", motion: Motion, times: FloatArray, moved: FloatAr
     found = copy(result)
     found.samples, found._moved = samples.at(place)._replace(t=times), unique[place]
     found._chosen = True
+    before, after = (undefined_outputs(x.description, x.samples) for x in (result, found))
+    found.message = result.message.replace(before, "") + after
     found.works = {name: work[place] for name, work in works.items()}
     return found
 

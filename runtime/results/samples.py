@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
+from codegen.object_display import counted
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.series_table import Series
 
@@ -55,6 +56,16 @@ class Samples(NamedTuple):
     def joined(pieces: Sequence["Samples"]) -> "Samples":
         """One after the other."""
         return Samples._make(map(np.concatenate, zip(*pieces, strict=True)))
+
+
+def undefined_outputs(description: Description, samples: Samples) -> str:
+    """Sentences on the expressions among the outputs that are no number at some instants."""
+    text = ""
+    for k, row in enumerate(description.reactions):
+        if not row.component and len(lost := samples.t[np.isnan(samples.reaction[:, k])]):
+            of = f"{len(lost)} of {counted(len(samples.t), 'instant')}"
+            text += f" '{row.name}' is not a number at t = {lost[0]:.6g} s ({of})."
+    return text
 
 
 class Partition(NamedTuple):

@@ -154,7 +154,7 @@ class StaticEquations:
     def _forces(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Q at rest, and dV/dq, each (n,)."""
         equations, modes = self.equations, self.equations.rest_modes(self.t, q)
-        force = equations.forces(self.t, q, equations.still, modes)
+        force = equations.forces(self.t, q, equations.at_rest(self.t, q), modes)
         force[self.states] = 0.0
         return force, equations.potential_gradient(self.t, q, modes)
 

@@ -207,9 +207,8 @@ def equilibrium(
     else:  # M and K alone do not determine the motion after a push
         judged = Judgement(Stability.UNKNOWN, np.full(len(position.gradient), np.nan))
     modes = equations.rest_modes(t, position.q)[None, :]
-    samples = evaluate(
-        equations, np.array([float(t)]), position.q[None], equations.still[None].copy(), modes
-    )
+    v = equations.at_rest(float(t), position.q)[None].copy()
+    samples = evaluate(equations, np.array([float(t)]), position.q[None], v, modes)
     stats["wall_seconds"] = clock.perf_counter() - began
     at_rest = states is None or states.balanced
     if states is not None and position.balanced:
@@ -355,7 +354,7 @@ def _message(
 def _require_finite(equations: Equations, t: float, q: FloatArray) -> None:
     """Refuse a start where forces have no value."""
     description, modes = equations.description, equations.rest_modes(t, q)
-    forces = equations.forces(t, q, equations.still, modes)
+    forces = equations.forces(t, q, equations.at_rest(t, q), modes)
     finite = np.isfinite(forces) & np.isfinite(equations.potential_gradient(t, q, modes))
     if finite.all():
         return

@@ -109,7 +109,7 @@ class _Search:
     def _rates(self, q: FloatArray) -> FloatArray:
         equations, t = self.equations, self.statics.t
         modes = equations.rest_modes(t, q)
-        rates = equations.forces(t, q, equations.still, modes)[self.columns]
+        rates = equations.forces(t, q, equations.at_rest(t, q), modes)[self.columns]
         if self.sampled:
             due, new = np.ones(len(self.sampled), np.int64), np.zeros(len(self.sampled))
             equations.kernels.samples(t, q, equations.still, equations.p, due, new)

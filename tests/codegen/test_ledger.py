@@ -130,6 +130,23 @@ def test_parts_add_up_to_every_kernel(machine: str) -> None:
             assert part.operations == own
 
 
+def test_outputs_add_up_with_the_elements_that_they_need() -> None:
+    """Points, one of them with a joint's name, and expressions of the series of effects."""
+    model = Model("swung", gravity=(0, -9.81))
+    arm = model.body("arm", mass=1.0, inertia=0.1)
+    model.revolute("pin", model.ground, arm.at(-0.5, 0))
+    model.spring("hold", model.ground.at(1, 1), arm.at(0.5, 0), 30.0, free_length=1.0)
+    for point in "pin", "tip":
+        model.track(point, arm.at(0.5, 0))
+    series = {n: model.series(n) for n in ("hold.force", "tip.ax", "pin.ay", "pin.global_fx")}
+    outputs = {f"out_{k}": 2 * one for k, one in enumerate(series.values())}
+    model.scene("run", ["gravity", "hold"], outputs=["default", outputs])
+    (ledger,) = explain(model)
+    assert ledger.totals["derived_outputs"] > 0
+    for kernel, total in ledger.totals.items():
+        assert sum(part.operations.get(kernel, 0) for part in ledger.parts) == total
+
+
 def test_stages_end_in_the_scene_s_own_kernel(root: Path) -> None:
     model = read_model(root / "models" / "hard" / "guide_friction.py").model
     (scene,) = valid_scenes(model, "rocking")

@@ -12,6 +12,7 @@ from codegen import Model, t
 from codegen.errors import InputError, LinkwrightError, ModelError, SceneError
 from codegen.reading.scenes_as_data import data_of_scene
 from runtime import Machine, Result, load, load_result
+from runtime.core.outcomes import Outcome
 from runtime.results.export import table
 
 CRANK, COUPLER, ROCKER, FRAME = 1.0, 2.5, 2.5, 2.0
@@ -111,6 +112,66 @@ def test_expressions_have_units(told: Result) -> None:
     assert_allclose(degrees, np.degrees(told["transmission"]))
     with pytest.raises(InputError, match="transmission is in rad, which does not convert to 'mm'"):
         told.series("transmission", "mm")
+
+
+@pytest.mark.parametrize(
+    ("label", "expression", "unit"),
+    [("kg*m**2", "p * omega**2 / 2", "kg m^2/s^2"), ("kg m²", "p * omega**2 / 2", "kg m^2/s^2"),
+     ("N/m**2", "p * x", "N/m"), ("(N/m)*m", "p * x", "N m"), ("N·s/m", "p * vx", "N"),
+     ("N/m", "sqrt(p / m)", "1/s"), ("N m/rad", "sqrt(p / m) / x", "1/s"),
+     ("J", "p + m * vx**2", "kg m^2/s^2"), ("N", "sqrt(p) * sqrt(m * x) / t", "kg m/s^2"),
+     ("N", "sqrt(p * p)", "N"), ("m", "sqrt(p)", ""), ("1", "p + sqrt(x)", ""),
+     ("m", "(x**2 + y**2) ** 0.5", "m"), ("m", "sqrt(vx**2 + vy**2)", "m/s"), ("1", "phi * x", "m"),
+     ("kN", "p * phi", "N"), ("Hz", "x * p", "Hz m"), ("1", "omega * phi", "rad^2/s")],
+)  # fmt: skip
+def test_units_of_expressions(label: str, expression: str, unit: str) -> None:
+    """As the factors of a unit say, however they are written, by whole powers or none."""
+    model = Model("measured")
+    body = model.body("body", mass=1.0, inertia=1.0)
+    symbols = {name: getattr(body, name) for name in ("x", "y", "phi", "vx", "vy", "omega")}
+    symbols |= {"p": model.parameter("p", 1.0, unit=label), "t": t}
+    symbols["m"] = model.parameter("m", 1.0, unit="kg")
+    scene = model.scene("run", outputs={"out": sympy.sympify(expression, symbols)})
+    assert [one.unit for one in scene.expressions] == [unit]
+
+
+UNDEFINED = "'ratio' is not a number at t = 0 s (1 of 6 instants)."
+
+
+def test_values_that_do_not_exist_end_no_run(folder: Path) -> None:
+    """A ratio of speeds from rest, in every analysis."""
+    model, times = Model("from_rest", gravity=(0, -9.81)), np.linspace(0.0, 1.0, 6)
+    arm = model.body("arm", mass=1.0, inertia=0.1)
+    model.revolute("pin", model.ground, arm.at(-0.5, 0))
+    model.driver("turn", arm.phi, t**2)
+    outputs = {"ratio": -1 / arm.omega, "double": 2 * arm.phi}
+    model.scene("free", ["gravity"], outputs=outputs)
+    model.scene("driven", ["gravity"], ["turn"], outputs=outputs)
+    model.scene("moved", [], ["turn"], analysis="kinematics", outputs=outputs)
+    model.scene("rest", ["gravity"], analysis="equilibrium", guess={arm.phi: -1.5}, outputs=outputs)
+    free = load(model, "free", folder=folder)
+    driven, moved = (load(model, name, folder=folder) for name in ("driven", "moved"))
+    found = [free.simulate(1.0, times), driven.simulate(1.0, times), driven.inverse_dynamics(times),
+             driven.kinematics(times), moved.kinematics(times)]  # fmt: skip
+    found.append(free.simulate(1.0, times, out=folder / "from_rest.zarr"))
+    for r in found:
+        assert r.outcome is Outcome.OK
+        assert UNDEFINED in r.message
+        assert (np.isnan(r["ratio"]) == (times == 0.0)).all()
+        assert_allclose(r["ratio"][1:], -1 / r.v("arm.phi")[1:])
+        assert_allclose(r["double"], 2 * r.q("arm.phi"))
+    assert np.isnan(found[0].at(0.0)["ratio"]).all()
+    assert found[0].at(0.0).message.endswith("at t = 0 s (1 of 1 instant).")
+    assert "ratio" not in found[0].at(0.3).message
+    assert free.simulate(1.0, until={"fast": "ratio > 0.5"}).ended_by == "fast"
+    rest = load(model, "rest", folder=folder).equilibrium()
+    assert rest.outcome is Outcome.OK
+    assert np.isnan(rest["ratio"])
+    assert "'ratio' is not a number at t = 0 s (1 of 1 instant)." in rest.message
+    many = free.ensemble(1.0, times, starts={"arm.phi": [0.0, 0.2]}, threads=1, progress=False)
+    assert (many["outcome"] == "OK").all()
+    assert all(UNDEFINED in text for text in many["message"].values)
+    assert (np.isnan(many["expression"].sel(output="ratio")).sum("time") == 1).all()
 
 
 def test_expressions_are_in_files_and_pictures(told: Result, tmp_path: Path) -> None:
@@ -238,6 +299,13 @@ def test_what_a_scene_cannot_have(folder: Path) -> None:
                 outputs={"still": model.series("a(crank.phi)")})  # fmt: skip
     with pytest.raises(ModelError, match=r"the scene has no 'a\(crank.phi\)'"):
         load(model, "rest", folder=folder)
+    scene = model.scene("rest").with_(outputs={"jolt": model.series("tip.ax")})
+    with pytest.raises(ModelError, match=r"the scene has no 'tip.ax'"):
+        load(model, scene, folder=folder)
+    lag = model.state("lag", rate=lambda lag: -lag, start=1.0, unit="m")
+    scene = model.scene("run").with_(outputs={"late": lag})
+    with pytest.raises(ModelError, match=r"the scene has no 'lag'"):
+        load(model, scene, folder=folder)
     with pytest.raises(
         SceneError, match="its output 'transmission' is an expression, which no case"
     ):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
-from sympy import Min, Piecewise, sin
+from sympy import Expr, Heaviside, Max, Min, Mod, Piecewise, cos, floor, sin
 
 from codegen import Model, coordinate, t
 from codegen.errors import ModelError, ParameterError
@@ -151,6 +151,51 @@ def test_crank_beside_another_integrator(
     assert_allclose(r.energy() - r.energy()[0], book, atol=1e-10)
 
 
+@pytest.mark.parametrize(
+    ("law", "flow"),
+    [(5 + Min(t, 1), 1), (Max(2, 5 - 3 * t), -3), (Piecewise((4 + t, t < 1), (5, True)), 0)],
+)
+def test_one_side_of_a_kink_holds_for_velocity_force_and_torque(
+    workshop: Path, law: Expr, flow: float
+) -> None:
+    """φ = sin t of a driven arm, at the instant of a kink; either side is right, not both."""
+    model = Model(f"driven_by_{abs(flow)}", gravity=(0, -9.81))
+    arm = model.body("arm", mass=law, inertia=0.3)
+    model.revolute("pin", model.ground, arm.at(-0.4, 0))
+    model.driver("turn", arm.phi, sin(t))
+    model.mass_flow("feed", arm.at(0.2, 0), velocity=(1, 1))
+    model.scene("run", ["gravity", "feed"], ["turn"], outputs=["default", "forces"])
+    machine, at, mass = load(model, folder=workshop), [0.5, 1.0, 1.5], float(law.subs(t, 1))
+    phi, omega, alpha = np.sin(1), np.cos(1), -np.sin(1)
+    x, y = 0.6 * np.cos(phi), 0.6 * np.sin(phi)
+    torque = (0.3 + mass * 0.16) * alpha + mass * 9.81 * 0.4 * np.cos(phi)
+    torque -= flow * (x * (1 - omega * x) - y * (1 + omega * y))
+    for r in machine.inverse_dynamics(at), machine.simulate(2.0, at):
+        assert_allclose(r.v("arm_matter.mass")[1], flow, atol=1e-12)
+        assert_allclose(r["feed.rate"][1], flow, atol=1e-12)
+        assert_allclose(r.reaction("turn", "torque")[1], torque, rtol=1e-12)
+
+
+def test_thrust_at_rest(workshop: Path) -> None:
+    """A tank on a spring: k (y0 - y) = m g + ṁ u, ṁ = t y by its law at each position."""
+    model = Model("tank_on_a_spring", gravity=(0, -9.81))
+    tank = model.particle("tank", mass=5 + t**2 / 2 * coordinate("tank", "y"))
+    model.absolute("guide", tank, "x", 0)
+    model.spring("hold", model.ground.at(0, 2), tank, 100.0, free_length=1.0)
+    model.mass_flow("jet", tank, relative=(0, -3))
+    for analysis in "dynamics", "equilibrium":
+        model.scene(analysis, ["gravity", "hold", "jet"], guess={tank.y: 0.4}, analysis=analysis)
+        y = load(model, analysis, folder=workshop).equilibrium(t=2.0)["tank.y"]
+        assert_allclose(y, (100 - 9.81 * 5) / (100 + 9.81 * 2 + 3 * 2), rtol=1e-11)
+
+
+@pytest.mark.parametrize("law", [5 + Heaviside(t - 1), 5 + floor(t), 6 - Mod(t, 1)])
+def test_steps_of_laws_end_runs(workshop: Path, law: Expr) -> None:
+    r = car(f"steps_by_{law.func.__name__}_{len(str(law))}", law, workshop).simulate(2.0)
+    assert r.outcome is Outcome.DISCONTINUOUS
+    assert "'car_matter' jumps by 1 at t = 1 s" in r.message
+
+
 def test_inverse_dynamics_of_the_crank(crank: tuple[Machine, Machine]) -> None:
     r = crank[1].inverse_dynamics(np.linspace(0, 2, 21))
     _, bends, force = terms(r.t, 0.3 + 12 * r.t)
@@ -206,6 +251,16 @@ def test_a_law_that_jumps_ends_the_run(workshop: Path) -> None:
     r = car("jumps", Piecewise((100, t < 1), (110, True)), workshop).simulate(2.0)
     assert r.outcome is Outcome.DISCONTINUOUS
     assert "'car_matter' jumps by 10 at t = 1 s" in r.message
+
+
+def test_shares_that_vary_add_up_to_one(workshop: Path) -> None:
+    model = Model("two_flows")
+    body = model.body("tank", mass=10 + t, inertia=1.0)
+    model.mass_flow("one", body, velocity=(0, 0), share=cos(body.phi) ** 2)
+    model.mass_flow("other", body, velocity=(0, 0), share=sin(body.phi) ** 2)
+    model.scene("run", ["one", "other"], start={body.vx: 1.0, body.omega: 2.0})
+    r = load(model, folder=workshop).simulate(5.0, **EXACT)
+    assert_allclose(r.v("tank.vx"), 10 / (10 + r.t), rtol=1e-11)
 
 
 def test_shares_add_up_to_one(workshop: Path) -> None:

@@ -18,7 +18,7 @@ from codegen.declare.body import Bodies, Body, Loads, Point
 from codegen.declare.element import Constraint, Effect, Measure, Measures, Statement, label
 from codegen.declare.element_fields import quantity
 from codegen.declare.state import WatchedCondition
-from codegen.declare.symbols import Coordinate, Velocity, kinds, rate
+from codegen.declare.symbols import Coordinate, Velocity, kinds
 from codegen.drawing import shapes
 from codegen.elements.forces.applied import AppliedForce
 from codegen.elements.registry import element
@@ -106,20 +106,15 @@ class MassFlow(Effect):
     @property
     def flow(self) -> sympy.Expr:
         """ṁ of this flow, kg/s."""
-        return self.share * self.rates.get("mass", sympy.S.Zero)
+        return self.share * getattr(self.point.body.mass, "rate", sympy.S.Zero)
 
     @property
     def energy_flux(self) -> sympy.Expr:
         """ṁ v²/2 + J̇ ω²/2, W: the energy that the matter brings beside the work of its force."""
         body = self.point.body
         (vx, vy), omega = body.velocity, body.angular_velocity
-        turning = self.rates.get("inertia", sympy.S.Zero) * omega**2
+        turning = getattr(body.inertia, "rate", sympy.S.Zero) * omega**2
         return (self.flow * (vx**2 + vy**2) + self.share * turning) / 2
-
-    @property
-    def rates(self) -> dict[str, sympy.Expr]:
-        """ṁ and J̇ of the body, where they vary, by their letters."""
-        return {q.letter: rate(law) for q, law in self.point.body.laws}
 
     def measures(self, bodies: Bodies) -> Measures:
         """The force in the axes in which its velocity is given, and ṁ of this flow."""

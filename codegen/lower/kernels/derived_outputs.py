@@ -30,7 +30,7 @@ def derived_rows(scene: SceneGraph, reported: Sequence[Reaction]) -> Iterator[Re
         symbols |= dict.fromkeys(idle, graph.zero)
         if missing := expression.free_symbols - {*symbols, *environment}:
             where = f"scene '{equations.scene.name}', output '{element}': the scene has no"
-            names = sorted(map(str, missing))
+            names = sorted(s.name if "." in s.name else dotted(s) for s in missing)
             raise ModelError(f"{where} '{one}'; {nearest(one, known)}" for one in names)
         with graph.serving(element):
             known[name] = Translator(graph, environment, None).scoped(symbols)(expression)

@@ -11,7 +11,7 @@ from runtime.core.outcomes import Outcome
 from runtime.mechanism.dense_equations import Equations, FloatArray, IntArray
 from runtime.mechanism.module_tables import Description
 from runtime.results.result import Result
-from runtime.results.samples import Samples
+from runtime.results.samples import Samples, undefined_outputs
 from runtime.validation.finite_equations import infinite_terms, left_tables
 
 _TURNS, _PARTS = 7, 32  # accuracy: rounds, and parts in each: to 3e-11 between two rows
@@ -21,9 +21,11 @@ def end_before_infinite(result: Result, equations: Equations) -> None:
     """End a result that is OK before the first row without a number, or beyond a table's ends.
 
     The outcome is NOT_FINITE or OUT_OF_RANGE; the message names the element and the instant.
-    Kinematics asks for no forces. Singular positions keep their rows, which `kinematics` names.
+    Kinematics asks for no forces. Singular positions keep their rows, which `kinematics` names, and
+    expressions theirs.
     """
     samples = result.samples
+    result.message += undefined_outputs(result.description, samples)
     if result.outcome is not Outcome.OK:
         return
     row = _first_infinite(result, equations, samples)
@@ -90,7 +92,8 @@ def finite_series(
     found = dict[str, npt.NDArray[np.bool_]]()
     others = ("kinetic", "total")  # energies, which follow, or which equilibria leave out
     for row in description.series:
-        if row.array in ("qva" if of_motion else samples._fields) and row.name not in others:
+        of_run = row.name not in others and row.kind != "expression"  # which ends no run
+        if of_run and row.array in ("qva" if of_motion else samples._fields):
             values = getattr(samples, row.array)
             values = values.sum(axis=1) if row.column < 0 else values[:, row.column]
             found[row.name] = np.isfinite(values)

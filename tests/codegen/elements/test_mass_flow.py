@@ -14,7 +14,7 @@ PLACE, SEEDS = np.array([0.3, -0.2]), range(5)
 
 def rates(s: State) -> tuple[float, float]:
     """ṁ and J̇ of the machine below."""
-    return 2.0 * np.cos(s.t), -0.3
+    return float(s.v[3]), float(s.v[4])
 
 
 def machine(place: tuple[object, object] = tuple(PLACE), **velocity: object) -> Interpreted:
@@ -30,6 +30,13 @@ def forces(s: State, u: np.ndarray) -> np.ndarray:
     _, phi, _, _ = s.body(0)
     push = rates(s)[0] * u
     return np.array([*(push + s.q[3] * np.array([0.5, -9.81])), (B(phi) @ PLACE) @ push])
+
+
+def test_rates_of_matter_are_those_of_its_laws() -> None:
+    made = machine(relative=(0, 0))
+    for s in map(made.state, SEEDS):
+        expected = [2.0 * np.cos(s.t), -0.3]
+        assert_allclose(made.vector("velocity_rhs", s), expected, **TOLERANCE)
 
 
 def test_flow_of_a_velocity_relative_to_the_body() -> None:
