@@ -303,7 +303,7 @@ class MachineStates:
     ) -> "AssemblyModes":
         """All positions in which the joints close at time t; whole turns make no other position.
 
-        Each is an assembled state as `start=` and `draw` take it, with signs that distinguish it.
+        Each is an assembled state as `start=` and `draw` take it, with a label of signs.
 
         Parameters
         ----------
@@ -314,7 +314,7 @@ class MachineStates:
         Raises
         ------
         AnalysisError, AssemblyError, InputError, RedundancyError
-            If freedom is left, or the machine has 300 coordinates or more; as `assemble`.
+            If freedom is left, or the machine has gears or 300 coordinates; as `assemble`.
         """
         given = check(self.mechanism, locals(), start_has_values=True)
         from runtime.assembly.assembly_modes import assembly_modes
@@ -325,8 +325,8 @@ class MachineStates:
 
     @shows_compilation
     def limits(
-        self, coordinate: str, *, start: Values | None = None, parameters: Values | None = None,
-        t: float = 0.0,
+        self, coordinate: str, *, start: "Assembly | State | Result | Values | None" = None,
+        parameters: Values | None = None, t: float = 0.0,
     ) -> "MotionLimits":  # fmt: skip
         """How far a coordinate moves, where it turns back, dead centres and change points.
 
@@ -338,17 +338,20 @@ class MachineStates:
             Name of a coordinate, "crank.phi".
         start, parameters, t
             As for `assemble`: the motion goes through this start, with laws of time frozen at t.
+            Or `start` is a state, such as one of `assembly_modes`, and t is its instant.
 
         Raises
         ------
         AnalysisError, AssemblyError, InputError, RedundancyError
-            If other freedom is left, motions meet at the start or do not close; as `assemble`.
+            If other freedom is left, joints repeat each other, motions meet at the start or several
+            of them elsewhere, or the motion does not close; as `assemble`.
         """
-        given = check(self.mechanism, locals(), start_has_values=True)
+        given = check(self.mechanism, locals())
         from runtime.assembly.assemble import assemble
         from runtime.continuation.motion_limits import motion_limits
         from runtime.mechanism.dense_equations import Equations
 
         equations = Equations(self.mechanism, self.parameter_values(given["parameters"]))
-        begin = assemble(equations, given["t"], None, given["start"])
+        t = getattr(given["start"], "t", given["t"])
+        begin = assemble(equations, t, None, given["start"])
         return motion_limits(equations, begin, given["coordinate"])

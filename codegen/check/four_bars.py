@@ -48,6 +48,9 @@ def _grashof_class(links: Sequence[str], sizes: list[float]) -> str:
     sign, text = "<", f"{kind}, {who} all around"
     if abs(excess) <= _EQUAL * sum(sizes):
         sign, text = "=", "change point, all four links can lie in one line"
+    elif 2.0 * long >= (1.0 - _EQUAL) * sum(sizes):
+        text = "cannot close, or only in one line"
+        return f"{text} ({long:.6g} >= {short:.6g} + {p:.6g} + {q:.6g} m)"
     elif excess > 0.0:
         sign, text = ">", "triple rocker, no link turns all around"
     return f"{text} ({short:.6g} + {long:.6g} {sign} {p:.6g} + {q:.6g} m)"

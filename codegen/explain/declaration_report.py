@@ -155,7 +155,7 @@ def _facts(model: Model, equations: Equations, lowered: Lowered, found: Findings
     return SceneFacts(
         equations.scene.name, equations.scene.analysis, equations.bodies, found.coordinates,
         found.constraints, found.degrees_of_freedom, (by_rank - len(found.dependent), by_rank),
-        four_bars(model, left_out),
+        four_bars(with_settings(model, dict(equations.scene.parameters)), left_out),
         tuple(c.name for c in equations.constraints if c.driver), notes,
         gap, tuple(moved), problem, left_out, equations.unused,
         tuple(words for _, words in equations.labels if words.partition(" / ")[0] not in texts),

@@ -54,7 +54,7 @@ _SAME_VELOCITY = 1e-9
 
 def assemble(
     equations: Equations, t: float = 0.0, guess: Numbers | None = None,
-    start_at: Numbers | State | None = None, *, release: bool = False,
+    start_at: Numbers | Assembly | State | None = None, *, release: bool = False,
 ) -> Assembly:  # fmt: skip
     """Assemble at time t, from the start values of the scene, of `guess` and of `start_at`.
 
@@ -63,7 +63,7 @@ def assemble(
     velocities zero, as a search for equilibrium takes them.
     """
     given = dict(guess or {})
-    if isinstance(start_at, State):
+    if isinstance(start_at, Assembly | State):
         start = start_of_state(start_at)
     else:
         start = start_values(equations.mechanism, guess, start_at, release=release)

@@ -40,8 +40,8 @@ class AssemblyModes:
 
     A label has a character for each of `signs`. Of "A-B-C" it is "+" where the way from joint A to
     joint B turns left to joint C; of "det" it is the sign of the determinant of the constraints,
-    opposite in two modes that are about to meet. After so many `starts` of the search, `unseen`
-    modes more are to be expected.
+    opposite in two modes that are about to meet. Modes that no sign tells apart have one label, and
+    differ by number. After so many `starts` of the search, `unseen` modes more are to be expected.
     """
 
     title: str
@@ -114,9 +114,12 @@ def assembly_modes(equations: Equations, t: float, start_at: Numbers | None) -> 
 def _closure(equations: Equations, t: float, start_at: Numbers | None) -> tuple[Start, Task]:
     """Start values and the closure problem; positions alone are looked for."""
     description = equations.description
-    if equations.is_large:
-        large = f"{description.title}: {equations.n} coordinates are too many for random starts"
-        raise AnalysisError(f"{large}. Assemble from guesses near the modes that are meant.")
+    gears = [row.element for row in description.constraints if row.kind == "gear"]
+    if gears or equations.is_large:
+        why = f"{equations.n} coordinates are too many for random starts"
+        why = f"gears close {listed(gears)} also at angles at which no teeth mesh" if gears else why
+        advice = "Assemble from guesses near the modes that are meant."
+        raise AnalysisError(f"{description.title}: {why}. {advice}")
     start = start_values(equations.mechanism, None, start_at)
     held = start.fixed_q | np.array([row.is_state for row in description.coordinates], np.bool_)
     angles, none = ~description.is_length, np.zeros(equations.n, np.bool_)
@@ -138,7 +141,7 @@ def _close_randomly(task: Task, start: Start, random: np.random.Generator) -> Fl
     if found != regular_start.REGULAR and np.abs(task.gaps(q)).max(initial=0.0) <= ROUGH:
         q = refine(task, q)
     back = q - np.where(turns, _TURN * np.round((q - start.q) / _TURN), 0.0)
-    for near in (back, q):  # gears may tell turns apart
+    for near in (back, q):  # belts may tell turns apart
         if np.abs(task.gaps(near)).max(initial=0.0) <= CLOSED:
             return near
     return None

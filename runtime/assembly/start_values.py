@@ -94,7 +94,7 @@ def _refusal(description: Description, guess: Numbers) -> str:
     )
 
 
-def start_of_state(state: State) -> Start:
+def start_of_state(state: Assembly | State) -> Start:
     """All values of a state, none of them fixed."""
     free = np.zeros(len(state.q), np.bool_)
     return Start(state.q.copy(), state.v.copy(), free, free.copy(), ~free)

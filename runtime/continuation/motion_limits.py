@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import null_space
+from scipy.optimize import minimize_scalar
 
 from codegen.errors import AnalysisError
 from codegen.object_display import listed
@@ -25,7 +26,8 @@ _LARGEST, _SMALLEST = 0.1, 1e-9  # measured: steps along the curve, scaled
 _BENT = 0.98  # measured: cosine of two tangents below which a step is too long
 _MOST = 20_000  # safety: steps along the curve
 _SAME = 1e-8  # accuracy: scaled distance of two positions that are one
-_AT_CHANGE = 1e-6  # accuracy: of a direction at a change point
+_AT_CHANGE = 1e-6  # accuracy: of a direction at a change point, and of a singular value
+_FAR = 100.0  # safety: scaled distance at which a motion is open
 _TURN = 2.0 * np.pi
 
 
@@ -69,7 +71,8 @@ class MotionLimits:
 class MotionCurve(Curve):
     """The positions of a machine at one instant: time and states of first order stay."""
 
-    def __init__(self, equations: Equations, begin: Assembly, rows: IntArray) -> None:
+    def __init__(self, equations: Equations, begin: Assembly, place: int) -> None:
+        rows, self.place = _kept_rows(equations, begin, place), place
         self.scale = equations.scale(equations.size(begin.t, begin.q))
         super().__init__(equations.scaled(self.scale, rows), begin.t, begin.q, 1.0)
         still = [*(row.is_state for row in begin.coordinates), True]
@@ -94,18 +97,46 @@ class MotionCurve(Curve):
             return None
         z = self.z(t, found.q)
         null = null_space(self.matrix(z), rcond=LOST)
+        self.require_two_motions(z, null.shape[1])
         along = null @ (null.T @ self.z(0.0, v + found.veer))
         s = float((z - piece.start.z) @ piece.start.tangent)
         near = 0.0 < s < piece.h and np.abs(self.gaps(z)).max() < _SAME
         return Point(z, along / np.linalg.norm(along), 0.0) if near else None
+
+    def narrowness(self, point: Point) -> float:
+        """The smallest singular value of the matrix."""
+        return float(np.linalg.norm(self.matrix(point.z), -2))
+
+    def require_signs(self, pieces: list[Piece]) -> None:
+        """Raise where the constraints lose rank, and the determinant keeps its sign."""
+        least = [self.narrowness(piece.start) for piece in pieces]
+        for k in np.flatnonzero((least <= np.roll(least, 1)) & (least <= np.roll(least, -1))):
+            for start, h, end in (pieces[k - 1], pieces[k]):
+                if start.sign and end.sign:  # else a change point is known
+                    found = minimize_scalar(
+                        lambda s, start: self.narrowness(self.across(start, s) or start),
+                        args=(start,), bounds=(0.0, h), options={"xatol": 1e-10},
+                    )  # fmt: skip
+                    lost = 2 * int(found.fun < _AT_CHANGE)
+                    self.require_two_motions(start.z + found.x * start.tangent, lost + 1)
+
+    def require_two_motions(self, z: FloatArray, freedom: int) -> None:
+        """Raise where so many degrees of freedom say that more than two motions meet."""
+        row, x = self.coordinates[self.place], self.position(z)[1][self.place]
+        if freedom > 2:
+            raise AnalysisError(
+                f"{self.title}: several motions meet near {row.name} = {x:.6g} {row.unit}; limits "
+                "follows machines in which two cross. Change a length by a little."
+            )
 
 
 def motion_limits(equations: Equations, begin: Assembly, coordinate: str) -> MotionLimits:
     """How far a coordinate moves on the curve of an assembled start, its driver released."""
     table, title = begin.coordinates, equations.description.title
     place = table.index(coordinate)
-    curve = MotionCurve(equations, begin, _kept_rows(equations, begin, place))
-    pieces, turns = _follow(curve, place)
+    curve = MotionCurve(equations, begin, place)
+    pieces, turns = _follow(curve)
+    curve.require_signs(pieces)
     moving = np.flatnonzero(np.ptp([piece.start.z for piece in pieces], axis=0) > _SAME).tolist()
     if place not in moving:
         raise AnalysisError(f"{title}: {coordinate} rests while the machine moves.")
@@ -128,10 +159,13 @@ def motion_limits(equations: Equations, begin: Assembly, coordinate: str) -> Mot
 def _kept_rows(equations: Equations, begin: Assembly, place: int) -> IntArray:
     """The constraints along the curve: released are drivers of the coordinate, if none, all."""
     description = equations.description
+    if begin.redundant:
+        advice = "The others may lose rank elsewhere: for limits leave one of these joints out."
+        raise AnalysisError([f"{description.title}: {one} {advice}" for one in begin.redundant])
     elements, drivers = [row.element for row in description.constraints], description.drivers
     acting = description.jacobian_rows[description.jacobian_columns == place]
     released = {elements[k] for k in acting}.intersection(drivers) or {*drivers}
-    kept = [k for k in begin.independent if elements[k] not in released]
+    kept = [k for k, element in enumerate(elements) if element not in released]
     freedom = sum(not row.is_state for row in begin.coordinates) - len(kept)
     if freedom == 1:
         return np.array(kept, np.int64)
@@ -142,20 +176,21 @@ def _kept_rows(equations: Equations, begin: Assembly, place: int) -> IntArray:
     )
 
 
-def _follow(curve: MotionCurve, place: int) -> tuple[list[Piece], int]:
-    """The pieces of the closed curve through the start, and the turns of a coordinate in it."""
-    if np.linalg.svd(curve.matrix(curve.origin), compute_uv=False)[-1] < LOST:
+def _follow(curve: MotionCurve) -> tuple[list[Piece], int]:
+    """The pieces of the closed curve through the start, and the turns of the coordinate in it."""
+    row, place = curve.coordinates[curve.place], curve.place
+    start = curve.point(curve.origin, np.eye(len(curve.origin))[place])
+    if start is None or curve.narrowness(start) < LOST:
         raise AnalysisError(
             f"{curve.title}: motions meet at the start, and it is not clear which one is meant. "
             "Start elsewhere, with start= of coordinates."
         )
-    row, along = curve.coordinates[place], np.eye(len(curve.origin))[place]
-    first = curve.point(curve.origin, along)
     # A start is often a limit itself, which is clearer from a position beside it.
-    first = point = first and curve.across(first, 0.3 * _LARGEST)
-    is_angle = [*(row.is_angle for row in curve.coordinates), False]
+    beside = (curve.across(start, s) for s in 0.3 * _LARGEST * 0.5 ** np.arange(25))
+    first = point = next((p for p in beside if p and p.tangent @ start.tangent > _BENT), None)
+    is_angle = np.array([*(row.is_angle for row in curve.coordinates), False])
     pieces, h = list[Piece](), 0.5 * _LARGEST
-    while point and first and len(pieces) < _MOST and h > _SMALLEST:
+    while point and first and h > _SMALLEST and len(pieces) < _MOST:
         there, change = curve.across(point, h), None
         fits = there is not None and float(there.tangent @ point.tangent) > _BENT
         if there and fits and there.sign * point.sign < 0.0:
@@ -176,10 +211,13 @@ def _follow(curve: MotionCurve, place: int) -> tuple[list[Piece], int]:
             return [*pieces, Piece(point, s, back)], int(turns[place])
         pieces.append(Piece(point, h, there))
         point, h = there, min(1.5 * h, _LARGEST)
+        if np.abs(there.z - first.z)[~is_angle].max() > _FAR:
+            break
     reached = curve.position(point.z if point else curve.origin)[1][place]
+    why = "moves on without end" if pieces and h > _SMALLEST else "cannot be followed on"
     raise AnalysisError(
-        f"{curve.title}: the motion does not return to its start, or cannot be followed on. After "
-        f"{len(pieces)} steps along it {row.name} is {reached:.6g} {row.unit}."
+        f"{curve.title}: the motion does not return to its start, but {why}. After {len(pieces)} "
+        f"steps along it {row.name} is {reached:.6g} {row.unit}."
     )
 
 

@@ -201,12 +201,12 @@ def _contradictions(given: Mapping[str, Any]) -> list[str]:
             "start and guess are both given, but an assembled start has all its values. Give one "
             "of them, or put the guess into assemble(guess)."
         )
-    if given.get("t_start", 0.0) not in (0.0, given["start"].t):
-        problems.append(
-            f"start and t_start = {given['t_start']:g} s are both given, but start belongs "
-            f"to t = {given['start'].t:g} s. Leave t_start out, or assemble at that time."
-        )
-    return problems
+    return problems + [
+        f"start and {name} = {given[name]:g} s are both given, but start belongs "
+        f"to t = {given['start'].t:g} s. Leave {name} out, or assemble at that time."
+        for name in ("t_start", "t")
+        if given.get(name, 0.0) not in (0.0, given["start"].t)
+    ]
 
 
 def _tolerances(value: Any) -> Any:

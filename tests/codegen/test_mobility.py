@@ -32,6 +32,8 @@ def four_bar(sizes: Sequence[float]) -> Model:
         ((2.5, 1.0, 2.5, 2.0), "double rocker, coupler turns all around"),
         ((1.0, 1.4, 1.4, 2.0), "triple rocker, no link turns all around (1 + 2 > 1.4 + 1.4 m)"),
         ((1.0, 2.0, 1.0, 2.0), "change point"),
+        ((9.0, 1.0, 1.0, 1.0), "cannot close, or only in one line (9 >= 1 + 1 + 1 m)"),
+        ((1.0, 1.0, 1.0, 3.0), "cannot close, or only in one line"),
     ],
 )
 def test_grashofs_classes(sizes: Sequence[float], words: str) -> None:
@@ -47,6 +49,14 @@ def test_no_class_without_a_link_or_without_numbers() -> None:
     one = sliding.body("one", mass=1.0, inertia=1.0)
     sliding.revolute("A", sliding.ground.at(0, 0), one.at(0, 0))
     assert four_bars(sliding, ()) == ()
+
+
+def test_class_with_the_values_of_each_scene() -> None:
+    model = four_bar((1.0, 2.5, 2.5, 2.0))
+    model.scene("short", parameters={"q": 1.4, "r": 1.4})
+    free, short = (facts.four_bars[0] for facts in check_declaration(model).scenes)
+    assert "crank-rocker" in free
+    assert "triple rocker" in short
 
 
 def test_mobility_of_a_four_bar() -> None:

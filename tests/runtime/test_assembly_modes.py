@@ -137,6 +137,24 @@ def test_freedom_that_is_left_is_refused_by_name(library) -> None:
         library("slider_crank", "gravity_equilibrium").assembly_modes()
 
 
+def test_gears_are_refused_and_belts_are_not(workshop: Path) -> None:
+    """The equation of gears closes at angles at which no teeth mesh."""
+    for kind in ("gear", "belt"):
+        model = Model(f"{kind}s")
+        one, other = (model.body(name, mass=1.0, inertia=1.0) for name in ("one", "other"))
+        model.revolute("A", model.ground.at(0, 0), one.at(0, 0))
+        model.revolute("D", model.ground.at(3, 0), other.at(0, 0))
+        getattr(model, kind)("mesh", one, other, 1, 2)
+        model.driver("drive", one.phi, 0.7)
+        model.scene("driven", drivers=["drive"], analysis="kinematics")
+        machine = load(model, folder=workshop)
+        if kind == "belt":
+            assert [mode["other.phi"] for mode in machine.assembly_modes()] == [pytest.approx(0.35)]
+        else:
+            with pytest.raises(AnalysisError, match="gears close mesh also at angles"):
+                machine.assembly_modes()
+
+
 def test_joints_that_cannot_close(library) -> None:
     machine = library("four_bar", "kinematics")
     with pytest.raises(AssemblyError, match="joint"):

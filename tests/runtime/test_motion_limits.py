@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from codegen import Model
-from codegen.errors import AnalysisError, UnknownNameError
+from codegen.errors import AnalysisError, InputError, UnknownNameError
 from runtime import load
 
 from . import linkages
@@ -103,5 +103,59 @@ def test_what_is_refused(library, workshop: Path) -> None:
     block = model.body("block", mass=1.0, inertia=1.0)
     model.translational("guide", model.ground, block)
     model.scene("free")
-    with pytest.raises(AnalysisError, match="does not return to its start"):
+    with pytest.raises(AnalysisError, match=r"moves on without end\. After \d{3,4} steps"):
         load(model, folder=workshop).limits("block.x")
+
+
+def cranks(name: str, feet: list[complex], bars: list[tuple[int, int]]) -> Model:
+    """Cranks of 0.5 m at `feet`, parallel, and each bar between the pins of some of them."""
+    model = Model(name)
+    pins = [model.body(f"crank_{k}", mass=1.0, inertia=1.0) for k in range(len(feet))]
+    for k, (crank, foot) in enumerate(zip(pins, feet, strict=True)):
+        model.revolute(f"A{k}", model.ground.at(foot.real, foot.imag), crank.at(0, 0))
+    for n, ends in enumerate(bars):
+        bar = model.body(f"bar_{n}", mass=1.0, inertia=1.0)
+        for k in ends:
+            apart = feet[k] - feet[ends[0]]
+            model.revolute(f"B{n}{k}", pins[k].at(0.5, 0), bar.at(apart.real, apart.imag))
+    model.driver("drive", pins[0].phi, 0.7)
+    guess = {crank.phi: 0.7 for crank in pins}
+    model.scene("driven", drivers=["drive"], analysis="kinematics", guess=guess)
+    return model
+
+
+def test_joints_that_repeat_each_other_are_refused(workshop: Path) -> None:
+    """Rows that are independent at the start are not so where three cranks and a bar are flat."""
+    model = cranks("three_cranks", [0j, 1 + 0j, 0.5 + 0.8j], [(0, 1, 2)])
+    with pytest.raises(AnalysisError, match=r"B02\.y is redundant .* leave one of these joints"):
+        load(model, folder=workshop).limits("bar_0.x")
+
+
+@pytest.mark.parametrize("loops", [2, 3])
+def test_places_at_which_several_motions_meet_are_refused(workshop: Path, loops: int) -> None:
+    """In line, parallelograms in series lose a rank each; two leave the determinant its sign."""
+    feet, bars = [complex(k) for k in range(loops + 1)], [(k, k + 1) for k in range(loops)]
+    machine = load(cranks(f"series_{loops}", feet, bars), folder=workshop)
+    with pytest.raises(AnalysisError, match=r"several motions meet near crank_0\.phi = 3\.14159"):
+        machine.limits("crank_0.phi")
+
+
+def test_a_start_beside_an_almost_change_point(library) -> None:
+    """The first step is halved as others are."""
+    sizes, start = {"AB": 1.0, "BC": 2.0, "CD": 1.5, "AD": 2.5 - 1e-5}, {"crank.phi": 3.1415}
+    machine = library("four_bar", "constant_torque")
+    for mode in machine.assembly_modes(start=start, parameters=sizes):
+        found = machine.limits("rocker.phi", start=mode, parameters=sizes)
+        expected = np.array([pi - angle_at(sizes["AD"], 1.5, reach) for reach in (1.0, 3.0)])
+        expected = expected if mode["rocker.phi"] < pi else 2.0 * pi - expected
+        np.testing.assert_allclose(found.range, np.sort(expected), atol=1e-6)
+
+
+def test_limits_begin_at_a_mode_and_its_instant(library) -> None:
+    machine = library("four_bar", "kinematics")
+    up, down = (machine.limits("rocker.phi", start=mode) for mode in machine.assembly_modes(0.1))
+    mirrored = np.sort([-angle % (2.0 * pi) for angle in up.range])
+    np.testing.assert_allclose(np.mod(down.range, 2.0 * pi), mirrored, atol=1e-10)
+    assert {state.t for state in down.limits} == {0.1}
+    with pytest.raises(InputError, match=r"t = 0\.2 s are both given"):
+        machine.limits("rocker.phi", start=down.limits[0], t=0.2)
