@@ -20,6 +20,7 @@ from runtime.mechanism.table_rows import TRACKED, Constraint, Coordinate, Effect
 from runtime.mechanism.table_rows import State as StateRow
 from runtime.progress_bar import shows_compilation
 from runtime.validation.arguments import check, parameter_values
+from runtime.validation.scene_support import require_plane
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -317,6 +318,8 @@ class MachineStates:
             If freedom is left, or the machine has gears or 300 coordinates; as `assemble`.
         """
         given = check(self.mechanism, locals(), start_has_values=True)
+        advice = "Assemble from guesses near the modes that are meant."
+        require_plane(self.mechanism, "assembly_modes are", advice)
         from runtime.assembly.assembly_modes import assembly_modes
         from runtime.mechanism.dense_equations import Equations
 
@@ -347,6 +350,8 @@ class MachineStates:
             of them elsewhere, or the motion does not close; as `assemble`.
         """
         given = check(self.mechanism, locals())
+        advice = "Drive the coordinate in kinematics, which tells where it stops."
+        require_plane(self.mechanism, "limits are", advice)
         from runtime.assembly.assemble import assemble
         from runtime.continuation.motion_limits import motion_limits
         from runtime.mechanism.dense_equations import Equations

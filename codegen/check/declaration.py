@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import sympy
 
 from codegen.check.elements import element_problems, unknown
+from codegen.check.space import inertia_problems
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect, label
 from codegen.declare.returned_values import (
@@ -24,6 +25,7 @@ from codegen.declare.returned_values import (
     rows,
     words,
 )
+from codegen.declare.space_body import SpaceBody
 from codegen.declare.symbols import Coordinate, t
 from codegen.declare.value_reader import expression_problem
 from codegen.errors import ModelError
@@ -86,6 +88,8 @@ def _lost_symbols(
 def known_symbols(model: "Model") -> frozenset[sympy.Symbol]:
     """Parameters, the time, and the coordinates and velocities of bodies and joints."""
     coordinates = [q for body in model.bodies.values() for q in body.coordinates]
+    in_space = (body for body in model.bodies.values() if isinstance(body, SpaceBody))
+    coordinates += [turn for body in in_space for turn in body.turning]
     coordinates += [q for joint in model.joints.values() for q in own_coordinates(joint)]
     coordinates += [q for body in model.bodies.values() for q, _ in body.laws]
     moving = (symbol for q in coordinates for symbol in (q, q.rate))
@@ -115,8 +119,11 @@ def body_problems(model: "Model", body: Body, known: frozenset[sympy.Symbol]) ->
         except ModelError as error:
             yield from error.problems
             return
-    for word, unit in (("mass", "kg"), ("inertia", "kg m^2")):
-        value = getattr(body, word)
+    given = [("mass", body.mass, "kg"), ("inertia", body.inertia, "kg m^2")]
+    if isinstance(body, SpaceBody):
+        given = given[:1]
+        yield from inertia_problems(model, body)
+    for word, value, unit in given:
         if value is None:
             continue
         if problem := expression_problem(value):  # of a body that a modeller made by hand

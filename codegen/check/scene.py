@@ -211,6 +211,8 @@ class _SceneCheck:
         if name not in self.scene.effects:
             if group == "global_reaction":
                 statement, _ = constraint_terms((parts.joints | parts.drivers)[name])
+                if isinstance(statement.reaction, el.WrenchReaction):
+                    return f"reactions in space are in global axes; ask for 'reaction({name})'."
                 plane = isinstance(statement.reaction, el.JointReaction)
                 return None if plane else f"'{name}' has no force in a plane; leave it out."
             if group in QUANTITIES:

@@ -257,6 +257,16 @@ class Point:
         return self.body.velocity[1] + turning + s * own_x + c * own_y
 
     @property
+    def position(self) -> tuple[sympy.Expr, ...]:
+        """Global position, m."""
+        return self.x, self.y
+
+    @property
+    def velocity(self) -> tuple[sympy.Expr, ...]:
+        """Global velocity, m/s."""
+        return self.vx, self.vy
+
+    @property
     def own_velocity(self) -> tuple[sympy.Expr, sympy.Expr]:
         """The velocity in the body's frame, d(sx, sy)/dt; zero for a point fixed in it."""
         x, y = map(rate, self.place)

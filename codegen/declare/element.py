@@ -10,6 +10,7 @@ from typing import ClassVar, NamedTuple, Protocol, runtime_checkable
 import sympy
 
 from codegen.declare.body import Bodies, Body, Curve, Loads, Point, Pose
+from codegen.declare.space_frame import SpaceFrame
 from codegen.declare.symbols import Coordinate, Velocity, coordinate, given, kinds, rate
 from codegen.errors import ModelError
 from codegen.readers.calls import declaring_class, readable_class
@@ -68,6 +69,7 @@ class Frame(Pose):
 
 
 I, J = Frame("i"), Frame("j")  # noqa: E741 (Haug's names for the two bodies of a joint)
+FRAMES = (Frame, SpaceFrame)
 
 
 @declaring_class("JointReaction")
@@ -91,6 +93,25 @@ class JointReaction:
     direction: sympy.Matrix
     on: Frame = J
     sign: int = 1
+    arm: sympy.Matrix | None = None
+
+
+@dataclass(frozen=True)
+class WrenchReaction:
+    """The multipliers of a joint in space as a force and a torque, six numbers in global axes.
+
+    The first body of the joint exerts them on the second at the joint's point.
+
+    Attributes
+    ----------
+    on
+        The frame of the second body.
+    arm
+        The global vector from the body's centre to that point, 3 × 1, in placeholders; None: the
+        point that is bound in the frame.
+    """
+
+    on: SpaceFrame
     arm: sympy.Matrix | None = None
 
 
@@ -134,7 +155,7 @@ class Statement:
 
     phi: tuple[sympy.Expr, ...]
     rows: tuple[str, ...]
-    reaction: JointReaction | ConjugateReaction | None
+    reaction: JointReaction | WrenchReaction | ConjugateReaction | None
     bindings: dict[sympy.Symbol, sympy.Expr] = field(default_factory=dict)
     own: tuple[tuple[str, Coordinate], ...] = ()
 

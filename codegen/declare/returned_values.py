@@ -260,7 +260,7 @@ _CONDITION = record(
 )  # fmt: skip
 _JOINT_REACTION = record(
     "a JointReaction, a ConjugateReaction or None", el.JointReaction, el.ConjugateReaction,
-    on=one_of("the frame I or J", el.Frame), sign=word(1, -1),
+    el.WrenchReaction, on=one_of("the frame I or J", *el.FRAMES), sign=word(1, -1),
     direction=_vector, arm=optional(_vector),
     components=rows("pairs of a word and a unit", words, unit, name=_first),
 )  # fmt: skip

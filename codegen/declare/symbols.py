@@ -7,6 +7,7 @@ from typing import Any, Literal, NamedTuple
 
 import sympy
 
+from codegen.declare.rotation_entries import SpinEntry
 from codegen.errors import ModelError
 from codegen.readers.calls import declaring
 from codegen.readers.values import shown
@@ -44,11 +45,14 @@ KINDS = {
     "integral": CoordinateKind("value", "1"),
     "mass": CoordinateKind("massflow", "kg", neutral=1.0),
     "inertia": CoordinateKind("inertiaflow", "kg m^2", neutral=1.0),
+    "z": CoordinateKind("vz", "m"),
+    "e0": CoordinateKind("e0dot", "1", 1.0),
+    **{f"e{k}": CoordinateKind(f"e{k}dot", "1") for k in (1, 2, 3)},
 }
 """Letter of a coordinate → its kind.
 
 α and β are contact parameters of elements; the rate of an integral is a state, which has a unit of
-its own.
+its own; e0 to e3 are the Euler parameters of a body in space.
 """
 MASSES = ("mass", "inertia")  # letters of masses that vary
 
@@ -143,6 +147,26 @@ class Velocity(MeasuredSymbol):
         owner, _, letter = self.name.rpartition("_")
         (place,) = (place for place, kind in KINDS.items() if kind.rate == letter)
         return Coordinate(f"{owner}_{place}", real=True)
+
+
+class QuasiCoordinate(Coordinate):
+    """A direction in which a body in space turns, about an axis of its own: ``rod_turnx``.
+
+    It has no value. A force along it is a component of a torque n', and its rate one of ω'.
+    """
+
+    __slots__ = ()
+
+    @property
+    def measure(self) -> CoordinateKind:
+        """An angle."""
+        return CoordinateKind(f"omega_{self.letter[-1]}", "rad")
+
+    @property
+    def rate(self) -> sympy.Expr:
+        """ω'_k, a function of the Euler parameters and their rates."""
+        p = [Coordinate(f"{self.owner}_e{k}", real=True) for k in range(4)]
+        return SpinEntry("xyz".index(self.letter[-1]), *p, *(e.rate for e in p))
 
 
 class Acceleration(ModelSymbol):

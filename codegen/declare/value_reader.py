@@ -17,6 +17,7 @@ from sympy.logic.boolalg import Boolean
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
+from codegen.declare.rotation_entries import ENTRIES
 from codegen.declare.scene import name_of
 from codegen.declare.symbols import (
     Acceleration,
@@ -61,7 +62,7 @@ FUNCTIONS = (
 """The functions that can be compiled."""
 PLAIN = (
     *(sympy.Symbol, sympy.Number, sympy.NumberSymbol, sympy.Add, sympy.Mul, sympy.Pow),
-    *(TableAtom, PiecesAtom),
+    *(TableAtom, PiecesAtom, *ENTRIES),
     *(sympy.I.func, sympy.zoo.func, Relational, Boolean, sympy.Tuple, *UNFINISHED),
 )
 """What needs no function, or is refused for a reason of its own."""

@@ -13,10 +13,17 @@ from typing import NamedTuple
 
 import sympy
 
-from codegen.declare.element import ConjugateReaction, Constraint, JointReaction, Statement
+from codegen.declare.element import (
+    ConjugateReaction,
+    Constraint,
+    JointReaction,
+    Statement,
+    WrenchReaction,
+)
 from codegen.declare.returned_values import statement_of
 from codegen.declare.symbols import Coordinate, Multiplier, derivative, kinds, t
 from codegen.derive.piecewise_conditions import as_pieces
+from codegen.derive.wrench import wrench
 
 # safety: golden and silver ratio; symbols get fractional parts of multiples of these
 _POINTS = (0.6180339887498949, 0.4142135623730951)
@@ -114,12 +121,15 @@ def statement_terms(statement: Statement) -> ConstraintTerms:
         arm = reaction.on.arm if reaction.arm is None else reaction.arm
         direction, arm = map(sympy.ImmutableMatrix, (reaction.direction, arm))
         reaction = replace(reaction, direction=direction, arm=arm)
+    elif isinstance(reaction, WrenchReaction):
+        arm = reaction.on.arm if reaction.arm is None else reaction.arm
+        reaction = replace(reaction, arm=sympy.ImmutableMatrix(arm))
     return _derive(statement.phi, reaction)
 
 
 @cache
 def _derive(
-    phi: tuple[sympy.Expr, ...], reaction: JointReaction | ConjugateReaction | None
+    phi: tuple[sympy.Expr, ...], reaction: JointReaction | WrenchReaction | ConjugateReaction | None
 ) -> ConstraintTerms:
     phi = tuple(as_pieces(e, may_switch=False) for e in phi)
     coordinates = tuple(kinds(sympy.Tuple(*phi), Coordinate))
@@ -127,6 +137,8 @@ def _derive(
     reactions: Reactions = ()
     if isinstance(reaction, JointReaction):
         reactions = _joint_reaction(phi, multipliers, reaction)
+    elif isinstance(reaction, WrenchReaction):
+        reactions = wrench(phi, multipliers, reaction)
     elif reaction is not None:
         pairs = zip(reaction.components, multipliers, strict=True)
         reactions = tuple((name, unit, -lam) for (name, unit), lam in pairs)

@@ -16,11 +16,11 @@ def derived_outputs(
     asked = {symbol.name for one in scene.expressions for symbol in one.series}
     asked.update(scene.outputs or ())
     for point in points if scene.analysis != "equilibrium" else ():
-        x, y = f"{point.name}.ax", f"{point.name}.ay"
-        if asked & {"accelerations", f"acceleration({point.name})", x, y}:
-            place = vars(point)["point"]
-            yield ExpressionOutput(x, rate(place.vx), "m/s^2")
-            yield ExpressionOutput(y, rate(place.vy), "m/s^2")
+        velocity = dict(zip("xyz", vars(point)["point"].velocity, strict=False))
+        names = {f"{point.name}.a{c}": v for c, v in velocity.items()}
+        if asked & {"accelerations", f"acceleration({point.name})", *names}:
+            for name, v in names.items():
+                yield ExpressionOutput(name, rate(v), "m/s^2")
     for name, statement in joints:
         x, y = f"{name}.global_fx", f"{name}.global_fy"
         reaction, words = statement.reaction, {"global_reactions", f"global_reaction({name})", x, y}

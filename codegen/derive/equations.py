@@ -10,6 +10,7 @@ from codegen.declare.body import Bodies, Body
 from codegen.declare.element import Constraint, Effect, Element, Statement, label
 from codegen.declare.returned_values import replaced_body
 from codegen.declare.scene import ExpressionOutput, Scene
+from codegen.declare.space_body import SpaceBody
 from codegen.declare.state import WATCHED, State, WatchedCondition, states_in
 from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration, Velocity
 from codegen.derive import constraint_terms as cs
@@ -69,6 +70,16 @@ class SampledValue(NamedTuple):
     watched: int = -1  # number of the condition that renews it, in place of a clock
 
 
+class TurningBody(NamedTuple):
+    """A body in space that takes part."""
+
+    name: str
+    p: tuple[Coordinate, ...]  # its Euler parameters
+    mass: sympy.Expr | None
+    inertia: sympy.ImmutableMatrix | None  # J', 3 × 3; None where no masses move
+    pose: tuple[float, ...]  # at the drawing, of its seven coordinates
+
+
 MassEntry = tuple[int, int, sympy.Expr]  # (row, column, entry) of M
 TOUCHING = ("contact", "rigid contact", "stop", "dry friction")  # perhaps the ground, unnamed
 OWN = "body"  # kind of the constraints that a body brings itself
@@ -104,7 +115,8 @@ class Equations:
     # (joints, scene) of several joints that may come or go at one instant
     together: tuple[tuple[tuple[str, ...], str], ...] = ()
     labels: tuple[tuple[sympy.Basic, str], ...] = ()  # of conditions, what events are called
-    picture: ScenePicture | None = None
+    picture: ScenePicture | None = None  # None of a machine in space
+    turning: tuple[TurningBody, ...] = ()
     derived: tuple[ExpressionOutput, ...] = ()
 
     @property
@@ -321,7 +333,14 @@ def derive(model: "Model", scene: Scene) -> Equations:
         watched=watched,
         together=model.together(scene),
         labels=tuple(model.labels.items()),
-        picture=scene_picture(model.ground, bodies, drawn, values, frozenset(used)),
+        picture=None
+        if model.in_space
+        else scene_picture(model.ground, bodies, drawn, values, frozenset(used)),
+        turning=tuple(
+            TurningBody(b.name, b.p, b.mass, b.inertia, (*b.place, *b.attitude))
+            for b in bodies
+            if isinstance(b, SpaceBody)
+        ),
         derived=derived,
     )
     conditions, profiles = outline_conditions(bodies), list[Profile]()

@@ -16,6 +16,7 @@ which is what a body has to promise; then no pivot vanishes in any order of elim
 import sympy
 
 from codegen.declare.body import Bodies, Body, Loads
+from codegen.declare.space_body import SpaceBody
 from codegen.declare.state import State
 from codegen.declare.symbols import Coordinate, kinds
 from codegen.readers.calls import errors_at
@@ -35,8 +36,9 @@ def inertia(
         with errors_at(f"body '{body.name}'"):
             block = {pair: entry for pair, entry in body.mass_matrix.items() if entry is not None}
             pushes = dict(body.inertia_force)
-            for _, phi in body.equations:
-                _augment(body, phi, block, pushes)
+            if not isinstance(body, SpaceBody):  # whose block is definite
+                for _, phi in body.equations:
+                    _augment(body, phi, block, pushes)
         for (a, b), entry in block.items():
             mass[columns[a], columns[b]] = mass[columns[b], columns[a]] = entry
         force |= {columns[q]: push for q, push in pushes.items()}

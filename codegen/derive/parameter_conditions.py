@@ -18,6 +18,7 @@ from codegen.declare.returned_values import (
     statement_of,
 )
 from codegen.declare.scene import Scene
+from codegen.declare.space_body import SpaceBody
 from codegen.declare.symbols import Parameter, ParameterDeclaration, alpha, dotted, kinds, t
 from codegen.derive.effect_terms import effect_terms
 from codegen.elements.drivers import Driver
@@ -26,6 +27,7 @@ from codegen.parameter_conditions import ALPHAS, ProfileRow, roller_cut
 from codegen.tables.table_function import Interpolant, plain_function
 
 Numbers = Mapping[sympy.Symbol, float]
+_ROUNDING = 1e-9  # accuracy: part of half the trace of an inertia; less beyond a bound is rounding
 
 
 @dataclass(frozen=True)
@@ -80,8 +82,23 @@ def element_conditions(element: Element, bodies: Bodies) -> list[ElementConditio
 
 
 def outline_conditions(bodies: Bodies) -> list[ElementCondition]:
-    """The conditions of the outlines of bodies."""
-    return [ElementCondition(f"{label(b)}: outline", c) for b in bodies for c in b.conditions]
+    """The conditions of the outlines of bodies, and of inertias in space that depend on parameters.
+
+    J' is positive definite, and so, to rounding, is the matrix of second moments, ½ tr(J') I - J'.
+    """
+    found = [ElementCondition(f"{label(b)}: outline", c) for b in bodies for c in b.conditions]
+    for body in (b for b in bodies if isinstance(b, SpaceBody)):
+        if body.inertia is None or not body.inertia.free_symbols:
+            continue
+        j, half = body.inertia, body.inertia.trace() / 2
+        text, other = "is not positive definite", "has a moment above the sum of the others"
+        for k in (1, 2, 3):
+            second = (half * sympy.eye(3) - j)[:k, :k].det() / half**k
+            for fault, minor, low in (text, j[:k, :k].det(), None), (other, second, -_ROUNDING):
+                sentence = f"it {fault} (minor {k} is {{:.3g}}); give other parameters."
+                one = Condition(sentence, (minor,), low or 0.0, open=low is None)
+                found.append(ElementCondition(f"{label(body)}: inertia", one))
+    return found
 
 
 def _ranges(lookups: list[Interpolant]) -> Iterator[Condition]:

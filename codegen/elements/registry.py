@@ -39,6 +39,7 @@ class Kind:
     name: str
     role: Role
     element: type[Any]
+    space: bool = False  # whether it belongs to machines in space alone
 
     @property
     def text(self) -> str:
@@ -62,14 +63,14 @@ _KINDS: dict[str, Kind] = {}
 @overload
 def element(cls: Class, /) -> Class: ...
 @overload
-def element(*, driver: bool = False) -> Callable[[Class], Class]: ...
+def element(*, driver: bool = False, space: bool = False) -> Callable[[Class], Class]: ...
 @dataclass_transform(
     eq_default=False, frozen_default=True,
     field_specifiers=(quantity, direction, ground_unless_given, field),
 )  # fmt: skip
 @declaring("element")
 def element(
-    cls: type[Any] | None = None, /, *, driver: bool = False
+    cls: type[Any] | None = None, /, *, driver: bool = False, space: bool = False
 ) -> type[Any] | Callable[[type[Any]], type[Any]]:
     """Register a class of joints, drivers or forces under its `kind`; a class decorator.
 
@@ -83,6 +84,8 @@ def element(
         `statement()`). A subclass of either inherits all but `kind`, `name` and `statement()`.
     driver
         Whether its equations prescribe a motion: ``@element(driver=True)``.
+    space
+        Whether it belongs to machines in space alone, and has no page of its own.
 
     Raises
     ------
@@ -110,20 +113,20 @@ def element(
                 where = f"element class {cls.__qualname__}"
                 raise ModelError(f"{where} becomes no dataclass: {failure(error)}.") from error
         role: Role = "driver" if driver else "joint" if hasattr(cls, "statement") else "force"
-        _KINDS[cls.kind] = Kind(cls.kind, role, cls)
+        _KINDS[cls.kind] = Kind(cls.kind, role, cls, space)
         return cls
 
     return register if cls is None else register(cls)
 
 
 def kinds_of_elements() -> dict[str, Kind]:
-    """All kinds by name: the library's in the order of their roles and names, then a user's."""
+    """All kinds in the plane by name: the library's by their roles and names, then a user's."""
     _load()
     roles = ("joint", "driver", "force")
     ordered = sorted(
         _KINDS.values(), key=lambda k: (k.is_user_defined, roles.index(k.role), k.name)
     )
-    return {kind.name: kind for kind in ordered}
+    return {kind.name: kind for kind in ordered if not kind.space}
 
 
 def role(kind: str) -> Role | None:

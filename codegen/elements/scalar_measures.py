@@ -9,21 +9,20 @@ from codegen.declare.element import Constraint, Element, Measure, Measures, labe
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds, rate
 
 
-def span(i: Point, j: Point) -> tuple[sympy.Expr, sympy.Expr]:
+def span(i: Point, j: Point) -> tuple[sympy.Expr, ...]:
     """d = r_j^P - r_i^P in the global frame, m."""
-    return j.x - i.x, j.y - i.y
+    return tuple(b - a for a, b in zip(i.position, j.position, strict=True))
 
 
 def distance(i: Point, j: Point) -> sympy.Expr:
     """ℓ = √(dᵀd), m (Haug 6.1)."""
-    dx, dy = span(i, j)
-    return sympy.sqrt(dx**2 + dy**2)
+    return sympy.sqrt(sympy.Add(*(d**2 for d in span(i, j))))
 
 
 def distance_rate(i: Point, j: Point) -> sympy.Expr:
     """dℓ/dt = dᵀ ḋ / ℓ, m/s: shorter than `rate` of ℓ, which is a sum of quotients."""
-    dx, dy = span(i, j)
-    return (dx * (j.vx - i.vx) + dy * (j.vy - i.vy)) / distance(i, j)
+    pairs = zip(span(i, j), i.velocity, j.velocity, strict=True)
+    return sympy.Add(*(d * (after - before) for d, before, after in pairs)) / distance(i, j)
 
 
 def distance_and_rate(between: Any) -> tuple[sympy.Expr, sympy.Expr]:

@@ -15,6 +15,7 @@ from codegen.lower.kernels.independent_rows import (
     free_multipliers,
     with_independent_rows,
 )
+from codegen.lower.kernels.motion_system import motion_system
 from codegen.lower.kernels.scalar_kernels import (
     condition_kernels,
     hold_kernels,
@@ -276,10 +277,10 @@ def _dynamic_kernels(
 
 
 def _kinetic_energy(scene: SceneGraph) -> int:
-    graph, v = scene.graph, scene.v
-    terms = []
-    of_states = {scene.columns[state.integral] for state in scene.equations.states}
-    for (i, k), mass in scene.mass.items():
+    graph, system = scene.graph, motion_system(scene)
+    terms, v = [], system.speeds
+    of_states = {system.names.index(state.integral.name) for state in scene.equations.states}
+    for (i, k), mass in system.mass.items():
         if i <= k and k not in of_states:
             term = graph.mul(mass, graph.mul(v[i], v[k]))
             terms.append(term if i == k else graph.mul(graph.constant(2.0), term))

@@ -206,6 +206,7 @@ class Description:
     controllers: tuple[str, ...]  # those whose samples a run brings
     # effects whose values are sought: parameters, whose values a run gives as weights
     unknown: tuple[str, ...]
+    turning: tuple[tuple[str, int], ...]  # (body in space, column of e0)
     jacobian: Pattern  # pattern of Φ_q
     independent_jacobian: Pattern | None  # of the independent rows, where some follow from others
     mass: Pattern  # pattern of M
@@ -220,8 +221,12 @@ def describe(
     equations, named = scene.equations, scene.equations.scene
     coordinates, constraints = equations.coordinates, equations.constraints
     fixed = {s.name: s.start for s in equations.states} | dict(named.start)
+    drawn = {q: q.measure.neutral for q in coordinates}
+    for body in equations.turning:
+        first = scene.columns[body.p[0]] - 3
+        drawn |= zip(coordinates[first:], body.pose, strict=False)
     start = (
-        *((dotted(q), q.measure.neutral, "neutral") for q in coordinates if q.measure.neutral),
+        *((dotted(q), value, "neutral") for q, value in drawn.items() if value),
         *((name, value, "fixed") for name, value in fixed.items()),
         *((name, value, "guess") for name, value in named.guess if name not in fixed),
     )
@@ -276,6 +281,7 @@ def describe(
         together=equations.together,
         controllers=tuple(s.name for s in equations.sampled if s.sample is None),
         unknown=named.unknown,
+        turning=tuple((body.name, scene.columns[body.p[0]]) for body in equations.turning),
         jacobian=Pattern.of(scene.jacobian),
         independent_jacobian=None
         if independent is scene

@@ -52,9 +52,13 @@ class Poses:
         self.size = self._longest_arm(is_length)
         self.unit = np.where(is_length, self.size, 1.0)
         # A step turns a body by 1 rad at most, and shifts it by as many arms as a chain of half
-        # the bodies has: in a long chain all must move by many arms.
-        arms = max(1.0, np.count_nonzero(~is_length) / 2)
+        # the bodies has: in a long chain all must move by many arms. A body in space has four Euler
+        # parameters, and a turn by 1 rad moves them by half as much.
+        turning = [first for _, first in self.description.turning]
+        arms = max(1.0, (np.count_nonzero(~is_length) - 3 * len(turning)) / 2)
         self.reach = np.where(is_length, arms, 1.0)
+        for first in turning:
+            self.reach[first : first + 4] = 0.5
 
     def closed_near(
         self, q: Array, moved: Array | float = 1.0, kept: Array | float = 1.0
@@ -67,17 +71,25 @@ class Poses:
         same of the constraints that must hold.
         """
         rows = np.ones(len(self.description.constraints)) * kept
+        q = self._with_unit_parameters(q)
         jacobian = self.jacobian(q)
         for _ in range(_STEPS):
             if not is_finite(jacobian):
                 break
             slopes = self.scaled(jacobian, self.unit * moved, rows)
             step = _least_norm(slopes, -rows * self.residual(q), 1e-10)
-            q = q + self.unit * np.clip(step, -self.reach, self.reach)
+            q = self._with_unit_parameters(q + self.unit * np.clip(step, -self.reach, self.reach))
             jacobian = self.jacobian(q)
             if np.linalg.norm(step) < _LAST:
                 break
         return q, self.scaled(jacobian, self.unit)
+
+    def _with_unit_parameters(self, q: Array) -> Array:
+        """A position whose Euler parameters have length 1, near which Φ_q tells of their turns."""
+        for _, first in self.description.turning:
+            p = q[first : first + 4]
+            q = np.concatenate([q[:first], p / (np.linalg.norm(p) or 1.0), q[first + 4 :]])
+        return q
 
     def scaled(self, jacobian: Any, columns: Array, rows: Array | None = None) -> Any:
         """Φ_q with its columns, and its rows, times numbers."""

@@ -4,13 +4,22 @@ from typing import NamedTuple
 
 import sympy
 
-from codegen.declare.symbols import LETTERS, SPEED, Acceleration, Parameter, t
+from codegen.declare.symbols import (
+    LETTERS,
+    SPEED,
+    Acceleration,
+    Coordinate,
+    Parameter,
+    QuasiCoordinate,
+    t,
+)
 from codegen.derive.effect_terms import EffectTerms, FrictionTerms, Measure
-from codegen.derive.equations import Equations
+from codegen.derive.equations import OWN, Equations
 from codegen.derive.piecewise_conditions import Boundary
 from codegen.errors import ModelError
 from codegen.lower.differentiation.derivative_along_motion import Direction
 from codegen.lower.differentiation.gradient import Slopes
+from codegen.lower.differentiation.turning import Turn, TurningColumns
 from codegen.lower.graph import Graph
 from codegen.lower.sympy_translation import Translator
 
@@ -71,18 +80,33 @@ class SceneGraph:
         self.nu: list[int] = []
         self.gamma: list[int] = []
         self.jacobian: dict[tuple[int, int], int] = {}  # (row, column) → value, non-zeros in order
+        # the same in the columns of the accelerations that are solved for, where bodies turn
+        self.turned_jacobian: dict[tuple[int, int], int] = {}
+        self.norms: dict[int, int] = {}  # row of the equation between Euler parameters → its turn
         # (row, column) of the constraints that determine a coordinate without mass
         self.massless: list[tuple[int, int]] = []
         self.reactions: list[Reaction] = []
         laws = (e.terms.friction for e in equations.effects)
         self._rubbing = {law.joint for law in laws if law}
         self._pressing: dict[tuple[str, str], dict[int, int]] = {}
-        self.slopes = Slopes(graph, (*self.q, self.time))  # by q and t
+        # the rotations of bodies in space, which have own columns behind those of coordinates
+        self.turns = [
+            Turn(graph, k, self.columns[body.p[0]], self.q, self.v)
+            for k, body in enumerate(equations.turning)
+        ]
+        self._column_of |= {
+            axis: self.n + k for k, axis in enumerate(a for turn in self.turns for a in turn.axes)
+        }
+        self.turning = TurningColumns(graph, self.turns, self.n)
+        self.slopes = Slopes(graph, (*self.q, self.time), self.turns)  # by q and t
         velocities = dict(zip(self.q, self.v, strict=True))
-        self.moving = Direction(graph, velocities, order=1)  # along q̇ with t held
-        self.motion = Direction(graph, {**velocities, self.time: graph.one})  # along q̇ and t
+        jets = {value: jet for turn in self.turns for value, jet in turn.jets().items()}
+        self.moving = Direction(graph, velocities, order=1, jets=jets)  # along q̇ with t held
+        along = {**velocities, self.time: graph.one}
+        self.motion = Direction(graph, along, jets=jets)  # along q̇ and t
         # what elements on the ground, and all constraints, exert on the bodies, where it is asked
-        self.of_ground = [graph.zero] * self.n if equations.shakes else []
+        columns = self.n + 3 * len(self.turns)
+        self.of_ground = [graph.zero] * columns if equations.shakes else []
         self._constraints()
         # of each row the constraints that it combines → their factors: here every one alone
         self.weights: list[dict[int, int]] = [{i: graph.one} for i in range(self.m)]
@@ -128,6 +152,7 @@ class SceneGraph:
     # -- equations ---------------------------------------------------------------------------
 
     def _constraints(self) -> None:
+        turning = {body.name: k for k, body in enumerate(self.equations.turning)}
         for element in self.equations.constraints:
             terms, statement, first = element.terms, element.statement, len(self.phi)
             inner: dict[sympy.Symbol, sympy.Expr | int] = dict(statement.bindings)
@@ -137,6 +162,8 @@ class SceneGraph:
             for row, q in statement.own:
                 self.massless.append((first + statement.rows.index(row), self.columns[q]))
             inner |= zip(terms.multipliers, self.lam[first:], strict=False)
+            if element.kind == OWN and element.name in turning:
+                self.norms[first] = turning[element.name]
             with self.graph.serving(element.name):
                 translate = self.translate_law.scoped(inner)
                 for phi in terms.phi:
@@ -155,20 +182,26 @@ class SceneGraph:
         """Add Φ, Φ_q, ν and γ of one constraint."""
         graph, resting = self.graph, self.equations.scene.analysis == "equilibrium"
         slopes = self.slopes.gradient({phi: graph.one})
-        for q, slope in slopes.items():
-            if q != self.time:
-                self.jacobian[len(self.phi), self._column_of[q]] = slope
+        row = {self._column_of[q]: slope for q, slope in slopes.items() if q != self.time}
+        if self.turns and len(self.phi) not in self.norms:
+            turned = self.turning.six(row)
+            self.turned_jacobian |= {(len(self.phi), k): slope for k, slope in turned.items()}
+            row = self.turning.seven(turned)
+        self.jacobian |= {(len(self.phi), k): slope for k, slope in row.items()}
         self.nu.append(graph.neg(slopes.get(self.time, graph.zero)))
         # at rest γ vanishes
         bend = graph.zero if resting else self.motion.jet(phi).second.scaled(-1.0).value()
+        if (norm := self.norms.get(len(self.phi))) is not None and not resting:
+            bend = graph.mul(graph.constant(-2.0), self.turns[norm].square)
         self.gamma.append(bend)
         self.phi.append(phi)
 
     def _effects(self) -> None:
         graph, equations = self.graph, self.equations
         self.potential = graph.zero  # V
-        self.gradient = [graph.zero] * self.n  # ∂V/∂q
-        self.forces = [graph.zero] * self.n  # Q with the forces of the potential and Q_v
+        columns = self.n + 3 * len(self.turns)
+        self.gradient = [graph.zero] * columns  # ∂V/∂q
+        self.forces = [graph.zero] * columns  # Q with the forces of the potential and Q_v
         # (effect, power) of the forces without a potential
         self.powers: list[tuple[str, int]] = []
         # effect → power of all its forces, those of a potential included, where that or its work is
@@ -209,8 +242,16 @@ class SceneGraph:
             # (row, column) → entry of M, the whole diagonal and what else is not zero; empty in
             # kinematic scenes
             self.mass = {(i, k): self._of_body(i, m) for i, k, m in equations.mass}
+            self.pushes = self.forces  # Q where bodies turn, in own columns
+            if self.turns:
+                self.gradient, self.forces = map(self._by_coordinates, (self.gradient, self.forces))
             for k, force in equations.inertia_force:
                 self.forces[k] = graph.add(self.forces[k], self._of_body(k, force))
+
+    def _by_coordinates(self, forces: list[int]) -> list[int]:
+        """Forces of coordinates and of turns, all by coordinates."""
+        row = self.turning.seven(dict(enumerate(forces)))
+        return [row.get(k, self.graph.zero) for k in range(self.n)]
 
     def _of_body(self, k: int, expression: sympy.Expr) -> int:
         """The value of an expression of the body with coordinate k, which errors name."""
@@ -267,11 +308,18 @@ class SceneGraph:
         if terms.flux is not None:
             power = graph.add(power, self.translate(terms.flux))
         for q, load in terms.loads:
-            k, value = self.columns[q], self.translate(load)
+            k, value = self._column_of[self._place(q)], self.translate(load)
             for total in totals:
                 total[k] = graph.add(total[k], value)
-            power = graph.add(power, graph.mul(value, self.v[k]))
+            power = graph.add(power, graph.mul(value, self.translate(q.rate)))
         return power
+
+    def _place(self, q: Coordinate) -> int:
+        """The input of a coordinate, or of a turn of a body in space."""
+        if isinstance(q, QuasiCoordinate):
+            names = [body.name for body in self.equations.turning]
+            return self.turns[names.index(q.owner)].axes["xyz".index(q.letter[-1])]
+        return self.q[self.columns[q]]
 
     def _measure(self, name: str, measure: Measure) -> None:
         """Add a quantity of an effect that is an output; it switches nothing itself."""

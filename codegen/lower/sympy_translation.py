@@ -13,6 +13,7 @@ from typing import Any
 import sympy
 from sympy.core.relational import Relational
 
+from codegen.declare.rotation_entries import RotationEntry, SpinEntry
 from codegen.declare.symbols import Coordinate, Velocity, kinds
 from codegen.derive.piecewise_conditions import (
     INVERSES,
@@ -26,6 +27,7 @@ from codegen.derive.piecewise_conditions import (
 )
 from codegen.derive.switching_functions import Switch, find_switch
 from codegen.errors import LinkwrightError, ModelError
+from codegen.lower.differentiation.turning import rotation_entry, spin_entry
 from codegen.lower.graph import Graph
 from codegen.lower.program import ELEMENTARY, Input, Op, dependencies
 from codegen.readers.calls import unreadable
@@ -104,6 +106,13 @@ class Translator:
             return graph.function(Op.POW, self(base), self(exponent))
         if isinstance(node, sympy.Piecewise):
             return self._piecewise(node)
+        if isinstance(node, RotationEntry):
+            i, k, *p = node.args
+            return rotation_entry(graph, int(i), int(k), [self(e) for e in p])
+        if isinstance(node, SpinEntry):
+            k, *at = node.args
+            values = [self(e) for e in at]
+            return spin_entry(graph, int(k), values[:4], values[4:])
         if isinstance(node, Interpolant):
             return graph.lookup(node.table, node.order, self(node.at))
         if isinstance(node, ClosedPieces):  # the steps of a run end where they meet

@@ -80,6 +80,11 @@ class Numbering:
         """The bit of an input in `movers`."""
         return self._places.setdefault(number, len(self._places))
 
+    def count_as_moved_by(self, number: int, place: int) -> None:
+        """Let a value count as moved by one input alone, whatever it is computed from."""
+        moves = 1 << self.place_of(place)
+        self._movers[number] = self._sets.setdefault(moves, moves)
+
     @property
     def moving_inputs(self) -> Sequence[int]:
         """The inputs but parameters."""

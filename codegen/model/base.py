@@ -17,6 +17,7 @@ from codegen.declare.element import Constraint, Effect
 from codegen.declare.element_fields import Condition, Quantity
 from codegen.declare.returned_values import own_coordinates
 from codegen.declare.scene import Scene
+from codegen.declare.space_body import SpaceBody, SpacePoint
 from codegen.declare.state import Connection, State
 from codegen.declare.symbols import dotted
 from codegen.declare.value_reader import Reader, acting_while
@@ -80,6 +81,9 @@ TRACKED = "tracked point"  # kind of a point whose place is an output
 class Declarations:
     """All that has been declared, by name; a name stands for one thing only."""
 
+    in_space = False
+    _ground_class: type[Body] = Ground
+
     def __init_subclass__(cls) -> None:
         """Let the public methods fail with errors of ours, and mark elements with stand-ins."""
         super().__init_subclass__()
@@ -90,7 +94,7 @@ class Declarations:
     def __init__(self, name: str) -> None:
         self.name = name
         self.token = object()
-        self.ground = Ground("ground", None, None, self.token)
+        self.ground: Body = self._ground_class("ground", None, None, self.token)
         self.bodies: dict[str, Body] = {}
         self.parameters: dict[str, sy.ParameterDeclaration] = {}
         self.joints: dict[str, Constraint] = {}
@@ -251,13 +255,13 @@ class Declarations:
         """The value of a field, by its type; `before`: the fields before it."""
         if quantity := one.metadata.get("quantity"):
             return self._quantity(quantity, one, word, value, where, before)
-        if one.type is Point:
+        if one.type in (Point, SpacePoint):
             return self._point(before.name, value)
         if one.type is bool:
             return self._read.flag(value, f"{where}: {word}")
         if get_origin(one.type) is Literal:
             return self._read.choice(value, get_args(one.type), f"{where}, {word}")
-        if one.type in (Body, Body | None):
+        if one.type in (Body, SpaceBody, Body | None):
             if value is None and one.metadata.get("ground"):
                 return self.ground
             is_left_out = value is None and NoneType in get_args(one.type)

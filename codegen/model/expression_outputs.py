@@ -16,10 +16,9 @@ from codegen.readers.values import name_problem, nearest, shown
 
 TAKEN = ("time", "kinetic", "potential", "total")  # series that belong to no element
 _UNITS = {
-    **dict.fromkeys(("fx", "fy", "global_fx", "global_fy", "force", "normal"), "N"),
-    "torque": "N m",
-    "ax": "m/s^2",
-    "ay": "m/s^2",
+    **dict.fromkeys(("fx", "fy", "fz", "global_fx", "global_fy", "force", "normal"), "N"),
+    **dict.fromkeys(("torque", "tx", "ty", "tz"), "N m"),
+    **dict.fromkeys(("ax", "ay", "az"), "m/s^2"),
 }
 """Components of series whose units are known."""
 _SUMS = (sympy.Add, sympy.Abs, sympy.Max, sympy.Min)

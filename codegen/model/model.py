@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 @named_attributes
 class Model(Values, Scenes, Forces, Contacts):
-    """A planar machine.
+    """A machine, in the plane or in space.
 
     Parameters
     ----------
@@ -40,7 +40,11 @@ class Model(Values, Scenes, Forces, Contacts):
         Begins the names of the generated files. Like every `name` that the methods take it is an
         identifier: ASCII letters, digits and underscores, a letter first.
     gravity
-        (g_x, g_y) in m/s²; declares the effect ``"gravity"``. Other gravities: `Model.gravity`.
+        (g_x, g_y) in m/s², in space (g_x, g_y, g_z); declares the effect ``"gravity"``. Other
+        gravities: `Model.gravity`.
+    space
+        Whether the machine moves in space: bodies have Euler parameters, and points, axes and
+        forces three numbers. The methods have the same names; `codegen.model.space_model` has them.
 
     Examples
     --------
@@ -50,9 +54,21 @@ class Model(Values, Scenes, Forces, Contacts):
     >>> swing = model.scene("swing", effects=["gravity"], start={"bob.phi": 0})
     """
 
+    def __new__(cls, *_: Any, space: Any = False, **__: Any) -> "Model":
+        """A machine in space where `space` says so."""
+        if space is True and cls is Model:
+            from codegen.model.space_model import SpaceModel
+
+            return super().__new__(SpaceModel)
+        return super().__new__(cls)
+
     @declaring("Model")
-    def __init__(self, name: str, gravity: tuple[Any, Any] | None = None) -> None:
+    def __init__(
+        self, name: str, gravity: tuple[Any, ...] | None = None, *, space: bool = False
+    ) -> None:
         super().__init__(name)
+        if space is not self.in_space:
+            self._note(f"model '{name}': space={shown(space)}; write True or False.")
         if gravity is not None:
             self.gravity("gravity", gravity)
 

@@ -55,7 +55,8 @@ class TrackedPoint(Effect):
     def reported(self, bodies: Bodies) -> Reported:
         """Its global coordinates, m, and their rates, m/s; `derived` has the accelerations."""
         at = self.point
-        return ("x", "m", at.x), ("y", "m", at.y), ("vx", "m/s", at.vx), ("vy", "m/s", at.vy)
+        places = tuple((c, "m", r) for c, r in zip("xyz", at.position, strict=False))
+        return *places, *((f"v{c}", "m/s", v) for c, v in zip("xyz", at.velocity, strict=False))
 
     def shapes(self) -> shapes.Shapes:
         """The point, with its path."""

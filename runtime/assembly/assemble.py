@@ -26,6 +26,7 @@ from runtime.assembly.open_joints import (
 )
 from runtime.assembly.redundancy import Findings, is_clearly_independent
 from runtime.assembly.regular_start import LARGEST, VELOCITY_CLOSED, find_regular_start, weights
+from runtime.assembly.start_spins import with_spins
 from runtime.assembly.start_values import MOVED, Start, start_of_state, start_values
 from runtime.core.arrays import EPS
 from runtime.linalg.least_norm import least_norm_solver
@@ -70,9 +71,13 @@ def assemble(
         given |= start_at or {}
     t = float(t)
     regular = find_regular_start(equations, t, start)
-    if regular is not None:
-        return _report(equations, t, *regular, start, Findings([], [], equations.m))
-    return _report(equations, t, *_irregular_start(equations, t, start, given))
+    if regular is None:
+        q, v, scale, start, findings = _irregular_start(equations, t, start, given)
+    else:
+        (q, v, scale), findings = regular, Findings([], [], equations.m)
+    if start.spins:
+        v = with_spins(equations, t, q, v, scale, start.fixed_v, start.spins)
+    return _report(equations, t, q, v, scale, start, findings)
 
 
 def assemble_declared(mechanism: Mechanism) -> Assembly:

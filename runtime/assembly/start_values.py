@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from codegen.errors import AssemblyError
 from codegen.readers.values import finite_float, shown
+from runtime.assembly.start_spins import Spin
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.mechanism import Mechanism, Numbers
 from runtime.mechanism.module_tables import Description
@@ -26,6 +27,7 @@ class Start(NamedTuple):
     fixed_q: BoolArray
     fixed_v: BoolArray
     given_q: BoolArray
+    spins: tuple[Spin, ...] = ()  # what holds of ω' of bodies in space
 
 
 def start_values(
@@ -44,20 +46,25 @@ def start_values(
     places |= {row.name: (0, k) for k, row in enumerate(table)}
     values = np.array([description.neutral, np.zeros(n)])
     fixed, named = np.zeros((2, 2, n), np.bool_)
+    spins = {r.name: r.value for r in description.start if r.name in description.spins}
+    spins |= {name: x for name, x in (fixed_values or {}).items() if name in description.spins}
     for row in description.start:
-        if row.role != "neutral":
+        if row.role != "neutral" and row.name not in spins:
             place = places[row.name]
             values[place], fixed[place], named[place] = row.value, row.role == "fixed", True
     problems, fixed_names = [], dict[str, float]()
     states = np.isin(np.arange(n), [state.column for state in description.states])
     given = [(name, value, False) for name, value in (guess or {}).items()]
     given += [(name, value, True) for name, value in (fixed_values or {}).items()]
+    problems += _spin_problems(description, guess or {})
     for name, value, kept in given:
         finite = finite_float(value)
+        if name in description.spins and (finite is not None or not kept):
+            continue
         if name not in places:
             what = "coordinate or velocity"
             what = "coordinate, velocity or state" if description.states else what
-            problems.append(unknown(what, name, description.variables))
+            problems.append(unknown(what, name, description.startable))
         elif finite is None:
             problems.append(f"Start value {name} is {shown(value)}; it must be a finite number.")
         elif release and places[name][0] and not states[places[name][1]]:
@@ -77,7 +84,19 @@ def start_values(
     if release:
         none = np.zeros(n, np.bool_)
         return Start(values[0], np.where(states, values[1], 0.0), none, none.copy(), named[0])
-    return Start(values[0], values[1], fixed[0], fixed[1], named[0])
+    rows = tuple(Spin(name, *description.spins[name], x) for name, x in spins.items())
+    return Start(values[0], values[1], fixed[0], fixed[1], named[0], rows)
+
+
+def _spin_problems(description: Description, guess: Numbers) -> list[str]:
+    """Angular velocities that are only guessed."""
+    guessed = [row.name for row in description.start if row.role == "guess"]
+    names = [name for name in (*guessed, *guess) if name in description.spins]
+    text = (
+        f"{description.title}: guess names {', '.join(names)}, an angular velocity; give it in "
+        "start=, or guess the rates of Euler parameters."
+    )
+    return [text] if names else []
 
 
 def _refusal(description: Description, guess: Numbers) -> str:

@@ -208,7 +208,7 @@ class Case:
         about, problems, found = machine.description, list[str](), dict[str, Any]()
         parameters = {row.name: row.unit for row in about.parameters}
         parameters |= dict.fromkeys(about.unused, "")
-        states = {name: about.series.find(name).unit for name in about.variables}
+        states = {name: about.series.find(name).unit for name in about.startable}
         for word in _VALUES:
             units = parameters if word == "parameters" else states
             numbers = dict[str, float]()

@@ -228,6 +228,9 @@ class Equations:
     def turned(self, q: FloatArray) -> FloatArray:
         """Poses with every angle of q turned by half a radian or so, each by another, (2, n)."""
         turned: FloatArray = q + self.mechanism.shape["turns"]
+        for first in self.mechanism.shape["turning"]:
+            p = turned[:, first : first + 4]
+            p /= np.linalg.norm(p, axis=1, keepdims=True)
         return turned
 
     def impact(self, t: float, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:

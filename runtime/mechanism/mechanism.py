@@ -127,6 +127,7 @@ class Mechanism:
             "scaled_by_length": scaled,
             "every": np.ones(len(lengths)),
             "in_metres": [row.unit == "m" for row in description.parameters],
+            "turning": [first for _, first in description.turning],
         }
         found = {name: np.array(values, np.int64) for name, values in integers.items()}
         return {**found, "typical": typical, "turns": turns, "neutral": neutral}

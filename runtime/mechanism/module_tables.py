@@ -13,6 +13,7 @@ import numpy.typing as npt
 from codegen.parameter_conditions import ConditionRow, ProfileRow
 from runtime.core.kinds import Boundary, TablePart
 from runtime.mechanism.series_table import SeriesTable
+from runtime.mechanism.spins import spin_places
 from runtime.mechanism.table_rows import (
     TRACKED,
     Constraint,
@@ -90,6 +91,7 @@ class Description:
     controllers: tuple[str, ...] = ()  # those among them whose samples a run brings
     # effects whose values are sought: parameters, whose values a run gives as weights
     unknown: tuple[str, ...] = ()
+    turning: tuple[tuple[str, int], ...] = ()  # (body in space, column of its e0)
 
     @cached_property
     def title(self) -> str:
@@ -240,6 +242,16 @@ class Description:
         """Names of all that is integrated: coordinates, velocities, and states."""
         rates = (row.velocity for row in self.positions)
         return (*(row.name for row in self.positions), *rates, *self.states.names)
+
+    @cached_property
+    def spins(self) -> dict[str, tuple[int, int]]:
+        """Component of ω' of a body in space, "rod.omega_x" → column of its e0, and axis."""
+        return spin_places(self.turning)
+
+    @property
+    def startable(self) -> tuple[str, ...]:
+        """Names of all that may have a start value: what is integrated, and components of ω'."""
+        return (*self.variables, *self.spins)
 
     @cached_property
     def neutral(self) -> npt.NDArray[np.float64]:

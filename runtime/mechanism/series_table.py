@@ -26,7 +26,7 @@ ENERGIES = ("kinetic", "potential", "total")
 _EXERTED = ("force", "torque", "potential", "power", "work")  # of masses or forces
 _BY_UNIT = {"N": "force", "N m": "torque"}
 _DERIVED = {
-    **dict.fromkeys(("ax", "ay"), "acceleration"),
+    **dict.fromkeys(("ax", "ay", "az"), "acceleration"),
     **dict.fromkeys(("global_fx", "global_fy"), "global_reaction"),
 }
 """Component of a point or joint → the output that has it."""
@@ -49,13 +49,15 @@ class Series(NamedTuple):
     """A quantity over time: the column of an array that it is."""
 
     name: str  # its own
-    # "coordinate", "velocity", "acceleration", "state", "rate of state", "reaction", "effect",
-    # "point", "expression", "energy", "power", "nonconservative power", or "work", which results of
-    # simulations alone have; "bookkeeping": the integral of a state, the rate of a sampled value; a
+    # "coordinate", "velocity", "spin", of ω', "acceleration", "state", "rate of state", "reaction",
+    # "effect", "point", "expression", "energy", "power", "nonconservative power", "work", of
+    # simulations alone; "bookkeeping": the integral of a state, the rate of a sampled value; a
     # "residual"; or the "mode" or "share" of a condition
     kind: str
-    array: str  # field of `Samples`, or "works"
-    column: int  # of the array, (k, …); of a work that of its power; -1: the sum of all columns
+    array: str  # field of `Samples`, or "works", or "spin"
+    # of the array, (k, …); of a work that of its power; -1: the sum of all columns; of a spin three
+    # times the column of e0, plus its axis
+    column: int
     unit: str
     element: str  # body, state, joint, driver or effect to which it belongs; empty of energies
     component: str = ""  # of an element's reaction, or of an effect's quantity, as "fx", "x"
@@ -235,6 +237,9 @@ def _motion(description: "Description") -> Found:
             own = f"a({row.name})" if word == "a" else called[0]
             calls = [(word, name, "") for name in called]
             yield Series(own, kind, word, k, getattr(row, unit), body), calls
+    for name, (first, axis) in description.spins.items():
+        body = name.rpartition(".")[0]
+        yield Series(name, "spin", "spin", 3 * first + axis, "rad/s", body), [("v", name, "")]
     for name, k, unit, _ in description.states:
         yield Series(name, "state", "v", k, unit or "1", name), [("y", name, ""), ("v", name, "")]
     for k, row in table:

@@ -27,6 +27,7 @@ _ROWS = START.number("dense_start_rows")  # m and n of a machine with dense matr
 _COLUMNS = START.number("dense_start_columns")
 _NONZEROS = START.number("start_nonzeros")  # of Φ_q
 _PARAMETERS = START.number("declared_parameters")
+_TURNING = START.number("bodies_in_space")
 
 LEAD = START.size  # slot of what leads Newton's method from afar; 0: nothing does
 LEADING = i8(integers, f8, vector, vector)  # context t p q; 0
@@ -39,6 +40,7 @@ START.integers("scaled_by_length", _N, allotted=False)  # of those measured in t
 START.integers("every", _N, allotted=False)  # 1 of every coordinate
 START.floats("typical", _N, allotted=False)  # changes of the coordinates that are no lengths
 START.matrix("turns", (2, None), _N, allotted=False)  # to two positions with all angles turned
+START.integers("turning", _TURNING, allotted=False)  # columns of e0 of bodies in space
 START.floats("neutral", _N, allotted=False)  # the position without start values
 START.integers("in_metres", _PARAMETERS, allotted=False)  # 1 of parameters in m
 
@@ -75,6 +77,7 @@ def start_table(mechanism: "Mechanism") -> StartTable:
     dense = n < SPARSE_FROM
     table[[_N, _M, _ROWS, _COLUMNS]] = n, m, m * dense, n * dense
     table[_NONZEROS], table[_PARAMETERS] = len(shape["slope_rows"]), len(shape["in_metres"])
+    table[_TURNING] = len(shape["turning"])
     arrays = START.allot(table)
     for name, array in shape.items():
         arrays[name] = array
@@ -135,9 +138,15 @@ def extent(context: Context, q: Vector) -> float:
 
 @inner
 def turn(context: Context, k: int, q: Vector, pose: Vector) -> None:
-    """Write q with all angles turned."""
+    """Write q with all angles turned; Euler parameters keep the length 1."""
     for j in range(q.size):
         pose[j] = q[j] + context.turns[k, j]
+    for b in range(context.turning.size):
+        first, square = context.turning[b], 0.0
+        for j in range(first, first + 4):
+            square += pose[j] ** 2
+        for j in range(first, first + 4):
+            pose[j] /= np.sqrt(square)
 
 
 @inner

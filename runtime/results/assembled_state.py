@@ -9,6 +9,7 @@ from codegen.object_display import html_of, html_table, listed, without_rounding
 from codegen.readers.calls import checked_class, named_attributes
 from runtime.core.arrays import Vector
 from runtime.integrate.problem import Discrete
+from runtime.mechanism.spins import SPINS, spins
 from runtime.mechanism.table_rows import Coordinate, Table, unknown
 
 
@@ -85,10 +86,15 @@ class State:
 
 
 def value_of(state: "State | Assembly", name: str) -> float:
-    """A coordinate, a velocity or a state of first order, by name."""
+    """A coordinate, a velocity, a component of ω' or a state of first order, by name."""
     for index, row in enumerate(state.coordinates):
         if type(name) is str and name in row[:2]:
             return float(state.q[index] if name == row.name else state.v[index])
+    body, _, letter = str(name).rpartition(".")
+    first = next((k for k, row in enumerate(state.coordinates) if row.name == f"{body}.e0"), None)
+    if first is not None and letter in SPINS:
+        p = slice(first, first + 4)
+        return float(spins(state.q[p], state.v[p])[SPINS.index(letter)])
     names = [text for row in state.coordinates for text in (row.name, row.velocity)[row.is_state :]]
     raise UnknownNameError(unknown("coordinate, velocity or state", name, names))
 

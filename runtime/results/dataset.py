@@ -73,6 +73,9 @@ def dataset(result: Result) -> "xr.Dataset":
     found.add("q", "coordinate", series.of_kind("coordinate"), "coordinates")
     found.add("v", "coordinate", series.of_kind("velocity"), "velocities")
     found.add("a", "coordinate", series.of_kind("acceleration"), "accelerations")
+    if spins := series.of_kind("spin"):
+        found.label("spin_component", _names(spins))
+        found.add("spin", "spin_component", spins, "angular velocities in body axes")
     residual = np.array(result.samples.residual.T)
     about = {"long_name": "largest |Phi|, m or rad"}
     found.data["constraint_residual"] = "time", residual[0], about
@@ -99,11 +102,12 @@ def dataset(result: Result) -> "xr.Dataset":
         found.add("work", "worker", works)
     if points := description.tracked:
         found.label("place", points)
-        found.label("axis", "xy")
+        axes = "xyz" if description.turning else "xy"
+        found.label("axis", axes)
         for name, letter in ("point", ""), ("point_velocity", "v"), ("point_acceleration", "a"):
-            rows = [series.get(f"{of}.{letter}{axis}") for of in points for axis in "xy"]
+            rows = [series.get(f"{of}.{letter}{axis}") for of in points for axis in axes]
             if any(rows):
-                found.add(name, "place axis", rows, shape=(len(points), 2))
+                found.add(name, "place axis", rows, shape=(len(points), len(axes)))
     if outputs := series.of_kind("expression"):
         found.label("output", _names(outputs), output_unit=[row.unit for row in outputs])
         found.add("expression", "output", outputs, "expressions, in output_unit", unit="")
@@ -129,7 +133,8 @@ def _add_reactions(found: Variables, rows: Sequence[Series]) -> None:
     found.label("joint", joints)
     found.label("component", units, component_unit=units.values())
     cells, shape = [table.get((a, b)) for a in joints for b in units], (len(joints), len(units))
-    about = "first body on second, in joint axes, in component_unit"
+    axes = "global" if found.result.description.turning else "joint"
+    about = f"first body on second, in {axes} axes, in component_unit"
     found.add("reaction", "joint component", cells, about, unit="", shape=shape)
 
 

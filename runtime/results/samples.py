@@ -13,6 +13,7 @@ from codegen.errors import InputError
 from codegen.object_display import counted
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.series_table import Series
+from runtime.mechanism.spins import spins
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -49,6 +50,10 @@ class Samples(NamedTuple):
 
     def column(self, row: Series) -> npt.NDArray[Any]:
         """The values of a series that is no work, (k,)."""
+        if row.array == "spin":
+            first, axis = divmod(row.column, 3)
+            p = slice(first, first + 4)
+            return spins(self.q[:, p], self.v[:, p])[:, axis]
         array: npt.NDArray[Any] = getattr(self, row.array)
         return array.sum(axis=1) if row.column < 0 else array[:, row.column]
 

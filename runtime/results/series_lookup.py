@@ -13,6 +13,7 @@ from codegen.readers.quantities import converted, converts, unit_text
 from codegen.readers.values import shown
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.series_table import Series, SeriesTable, UnnamedOutputError
+from runtime.mechanism.spins import rotation_matrices
 from runtime.results.samples import FloatArray, Samples
 
 if TYPE_CHECKING:
@@ -66,14 +67,31 @@ class TimeSeries:
     def point(self, name: str, component: str = "", unit: str = "") -> FloatArray:
         """A tracked point over time, in global axes: "x" or "y", in m, or "vx" or "vy", in m/s.
 
-        "ax" and "ay" are its acceleration, m/s². Without a component it is x and y, (k, 2).
+        "ax" and "ay" are its acceleration, m/s². Without a component it is x and y, (k, 2). In
+        space there are "z", "vz" and "az", too, and without a component it is (k, 3).
         """
         if component:
             return self._called("point", name, component, unit)
-        return np.column_stack([self._called("point", name, axis, unit) for axis in "xy"])
+        axes = "xyz" if self.description.turning else "xy"
+        return np.column_stack([self._called("point", name, axis, unit) for axis in axes])
+
+    def rotation(self, body: str) -> FloatArray:
+        """Rotation matrix of a body in space over time, (k, 3, 3), from its axes to global ones.
+
+        An `InputError` says so of any other body.
+        """
+        for name, first in self.description.turning:
+            if name == body:
+                return rotation_matrices(self.samples.q[:, first : first + 4])
+        names = ", ".join(name for name, _ in self.description.turning) or "none here"
+        raise InputError(
+            f"{self.description.title}: {shown(body)} is no body in space, which are {names}."
+        )
 
     def reaction(self, joint: str, component: str, unit: str = "") -> FloatArray:
         """Force or torque that the first body of a joint exerts on the second, in joint axes.
+
+        In space the axes are global, and the components "fx" to "fz" and "tx" to "tz".
 
         For a driver it is the force or torque on the body that it drives. Components are such as
         "fx", "fy" and "torque", in N or N m; "global_fx" and "global_fy" are the force in global

@@ -83,11 +83,12 @@ def read_members(
     states = (*description.coordinates.names, *(row.velocity for row in description.coordinates))
     problems, lengths = list[str](), dict[str, int]()
     found = dict[str, Vector](), dict[str, Vector](), dict[str, Vector]()
-    units = {name: row.unit for name in states if (row := description.series.get(name))}
+    units = dict.fromkeys(description.spins, "rad/s")
+    units |= {name: row.unit for name in states if (row := description.series.get(name))}
     units |= {row.name: row.unit for row in description.parameters}
     tables: tuple[tuple[str, str, Any, tuple[str, ...]], ...] = (
         ("parameters", "parameter", parameters, description.parameters.names),
-        ("starts", "coordinate or velocity", starts, states),
+        ("starts", "coordinate or velocity", starts, (*states, *description.spins)),
         ("guesses", "coordinate or velocity", guesses, states),
     )
     for columns, (argument, kind, given, names) in zip(found, tables, strict=True):

@@ -199,6 +199,8 @@ def prepare(
     if begin.redundant or begin.is_determined or coordinates.equations.mechanism is not mechanism:
         return None
     begins = start_values(mechanism, None, words["start"])
+    if begins.spins:
+        return None
     common = _common(members, begins, coordinates, options)
     return Preparation(coordinates, options, begins, common, 2 * len(pattern.events) + _EVENTS)
 

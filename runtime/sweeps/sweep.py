@@ -297,6 +297,7 @@ def factor_unit(machine: Machine, name: str) -> str:
         )
     units = {row.name: row.unit for row in machine.coordinates}
     units |= {row.velocity: row.velocity_unit for row in machine.coordinates}
+    units |= dict.fromkeys(machine.description.spins, "rad/s")
     units |= {row.name: row.unit for row in machine.parameters}
     if name not in units:
         raise UnknownNameError(f"{title}: {unknown('parameter or coordinate', name, units)}")

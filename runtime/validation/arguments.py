@@ -174,7 +174,7 @@ def _conversion_problems(description: Description, given: dict[str, Any]) -> Ite
             try:
                 if word == "parameters" and name in description.parameters:
                     values[name] = _converted(value, description.parameters[name].unit)
-                elif word != "parameters" and name in description.variables:
+                elif word != "parameters" and name in description.startable:
                     values[name] = _converted(value, description.series.find(name).unit)
             except UnitError as misfit:
                 yield f"{description.title}: {word}, {name}: {misfit}"

@@ -37,9 +37,20 @@ def refuse_states(mechanism: Mechanism, question: str) -> None:
         )
 
 
+def require_plane(mechanism: Mechanism, question: str, advice: str) -> None:
+    """Refuse a question in space that only machines in the plane answer so far."""
+    if mechanism.description.turning:
+        raise AnalysisError(
+            f"{mechanism.description.title}: {question} there for machines in the plane alone so "
+            f"far. {advice}"
+        )
+
+
 def require_energy(mechanism: Mechanism) -> None:
-    """Refuse a search for equilibrium where the potential was left out."""
+    """Refuse a search for equilibrium in space, and where the potential was left out."""
     description = mechanism.description
+    advice = "Let the machine come to rest in a simulation with dampers."
+    require_plane(mechanism, "equilibrium is", advice)
     if description.has_masses and "potential" not in description.kernels:
         raise AnalysisError(
             f"equilibrium needs the potential energy: {description.suggest_output('energy')}"

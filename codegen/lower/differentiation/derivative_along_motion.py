@@ -15,6 +15,7 @@ again.
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from functools import reduce
+from types import MappingProxyType
 from typing import NamedTuple
 
 from codegen.lower.differentiation.program_tangents import (
@@ -190,15 +191,20 @@ class Direction:
     """Derivatives of values of a graph along a straight line in the inputs, up to `order` 1 or 2.
 
     `rates` maps inputs to their derivatives along the line, constant on it; others have none.
+    `jets` has values whose derivatives are known, such as the entries of a rotation matrix.
     """
 
-    def __init__(self, graph: Graph, rates: Mapping[int, int], order: int = 2) -> None:
+    def __init__(
+        self, graph: Graph, rates: Mapping[int, int], order: int = 2,
+        jets: Mapping[int, Jet] = MappingProxyType({}),
+    ) -> None:  # fmt: skip
         self.graph, self.order = graph, order
         # Slopes need no second derivative: that of aᵇ has a slope of its own without end. A cycle
         # with itself would keep the graph in memory.
-        self._inner = Direction(graph, rates, order=1) if order > 1 else None
+        self._inner = Direction(graph, rates, order=1, jets=jets) if order > 1 else None
         self._nothing = Jet(Parts(graph, {}), Parts(graph, {}))
         self._known = {k: Jet(self._plain(rate), self._nothing.second) for k, rate in rates.items()}
+        self._known |= jets
 
     @property
     def _slopes(self) -> "Direction":

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 
 from codegen.lower.differentiation.derivative_along_motion import PLAIN, Direction, Parts
 from codegen.lower.differentiation.program_tangents import fractional_power, slopes_of
+from codegen.lower.differentiation.turning import Turn
 from codegen.lower.graph import SUMS, Graph
 from codegen.lower.program import Op, dependencies
 
@@ -21,14 +22,18 @@ BREAKING = frozenset({Op.DIV, Op.SQRT, Op.POW, Op.LOG, Op.TAN, Op.ASIN, Op.ACOS,
 
 
 class Slopes:
-    """Partial derivatives of values of a graph by some of its inputs."""
+    """Partial derivatives of values of a graph by some of its inputs, and by turns of bodies."""
 
-    def __init__(self, graph: Graph, inputs: Iterable[int]) -> None:
+    def __init__(self, graph: Graph, inputs: Iterable[int], turns: Iterable[Turn] = ()) -> None:
         self.graph = graph
-        self.inputs = frozenset(inputs)
-        self._by_place = {graph.place_of(k): k for k in self.inputs}
-        self._all = sum(1 << place for place in self._by_place)
+        self._by_place: dict[int, tuple[int, ...]] = {
+            graph.place_of(k): (k,) for k in frozenset(inputs)
+        }
         self._alone: dict[int, Direction] = {}  # input → the derivatives by it, where one is needed
+        for turn in turns:
+            self._by_place[graph.place_of(turn.axes[0])] = turn.axes
+            self._alone |= {axis: turn.along_axis(k) for k, axis in enumerate(turn.axes)}
+        self._all = sum(1 << place for place in self._by_place)
 
     def gradient(self, weights: Mapping[int, int]) -> dict[int, int]:
         """Input → Σ weight ∂value/∂input, where it is not zero; `weights` maps value → weight."""
@@ -59,7 +64,7 @@ class Slopes:
         found, left = list[int](), self.graph.movers(number) & self._all
         while left:
             place = left.bit_length() - 1
-            found.append(self._by_place[place])
+            found += self._by_place[place][::-1]
             left ^= 1 << place
         return found[::-1]
 

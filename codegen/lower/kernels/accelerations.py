@@ -29,12 +29,11 @@ the steps did not suffice; it is reported with the joint's name.
 
 import math
 
-from codegen.declare.symbols import Parameter
-from codegen.derive.inertia import neutral
 from codegen.errors import ModelError
 from codegen.lower.constant_hoisting import WEAK_PIVOT
 from codegen.lower.interpreter import evaluate
 from codegen.lower.kernels.corrections import solutions
+from codegen.lower.kernels.motion_system import MotionSystem, inertias, motion_system, written_back
 from codegen.lower.linear.elimination_order import LARGE, CostExceededError, Structure
 from codegen.lower.linear.factorization import Elimination, Entries, Strategy, augmented
 from codegen.lower.linear.sparse_row_elimination import Task
@@ -56,16 +55,15 @@ def inverse_mass_ratio(scene: SceneGraph) -> float:
     With the parameters as declared, at lengths of 0 and several angles. Raises ModelError where no
     float holds it.
     """
-    inertia = _inertias(scene)
+    system = motion_system(scene)
+    inertia = inertias(scene, system)
     if not inertia:
         return 1.0
-    coordinates = scene.equations.coordinates
     groups: dict[str, list[float]] = {}
     for k, size in inertia.items():
-        groups.setdefault(coordinates[k].unit, []).append(size)
-    lengths = {k for k, q in enumerate(coordinates) if q.unit == "m"}
+        groups.setdefault(system.units[k], []).append(size)
     ratios = [max(group) / min(group) for group in groups.values()]
-    for i, row in _felt_slopes(scene, lengths).items():
+    for i, row in _felt_slopes(scene, system).items():
         try:
             felt = [s**2 / inertia[k] for k, s in row.items() if k in inertia]
             ratios.append(max(felt) / min(felt) if felt else 1.0)
@@ -73,17 +71,18 @@ def inverse_mass_ratio(scene: SceneGraph) -> float:
             ratios.append(math.inf)
         if not math.isfinite(ratios[-1]):
             raise ModelError(
-                f"joint or driver '{scene.rows[i]}': masses and moments of inertia at its arms, "
-                f"from {min(row.values()):.3g} to {max(row.values()):.3g} m, lie more than 1e308 "
-                "times apart; give kg, kg m^2 and m of one machine."
+                f"joint or driver '{scene.rows[system.rows[i]]}': masses and moments of inertia at "
+                f"its arms, from {min(row.values()):.3g} to {max(row.values()):.3g} m, lie more "
+                "than 1e308 times apart; give kg, kg m^2 and m of one machine."
             )
     return max(ratios)
 
 
-def _felt_slopes(scene: SceneGraph, lengths: set[int]) -> dict[int, dict[int, float]]:
+def _felt_slopes(scene: SceneGraph, system: MotionSystem) -> dict[int, dict[int, float]]:
     """Row by row the largest |Φ_ik| of all poses, beside those of lengths, without rounding."""
     found: dict[int, dict[int, float]] = {}
-    for entries in map(_Slopes(scene).at, range(_POSES)):
+    lengths = system.lengths
+    for entries in map(_Slopes(scene, system).at, range(_POSES)):
         for (i, k), slope in entries.items():
             if math.isfinite(slope) and slope != 0.0:
                 row = found.setdefault(i, {})
@@ -107,31 +106,12 @@ def weak_pivot(spread: float) -> float:
     return WEAK_PIVOT if spread < FAR else float(f"{WEAK_PIVOT / spread:.1e}")
 
 
-def _inertias(scene: SceneGraph) -> dict[int, float]:
-    """Coordinate → its mass or moment of inertia, as declared, neutral pose, where it has one."""
-    equations = scene.equations
-    pose = neutral(equations.coordinates)
-    declared = {Parameter(p.name, real=True): p.value for p in equations.parameters}
-    sizes = {}
-    for i, k, mass in equations.mass:
-        if i != k:
-            continue
-        own = mass.free_symbols  # of these alone: to substitute all takes as long as all masses
-        known = mass
-        for numbers in (declared, pose) if own else ():
-            known = known.subs({symbol: numbers[symbol] for symbol in own if symbol in numbers})
-        size = float(known)
-        if size > 0.0:
-            sizes[k] = size
-    return sizes
-
-
 class _Slopes:
     """The entries of Φ_q in numbers."""
 
-    def __init__(self, scene: SceneGraph) -> None:
-        self.places = list(scene.jacobian)
-        outputs = tuple(Output("out", s, v) for s, v in enumerate(scene.jacobian.values()))
+    def __init__(self, scene: SceneGraph, system: MotionSystem) -> None:
+        self.places, self.turns = list(system.jacobian), scene.turns
+        outputs = tuple(Output("out", s, v) for s, v in enumerate(system.jacobian.values()))
         kernel = Kernel("slopes", "", (), outputs)
         self.program = Program(tuple(scene.graph.values), (kernel,), (), WEAK_PIVOT)
         self.lengths = [q.unit == "m" for q in scene.equations.coordinates]
@@ -142,6 +122,9 @@ class _Slopes:
         angles = (math.sin(1.0 + 2.3 * k + 1.7 * pose) * math.pi for k in range(len(self.lengths)))
         pairs = zip(self.lengths, angles, strict=True)
         q = [0.0 if is_length else angle for is_length, angle in pairs]
+        for first in (turn.first for turn in self.turns):
+            size = math.hypot(*q[first : first + 4])
+            q[first : first + 4] = (e / size for e in q[first : first + 4])
         arguments = {"t": 0.0, "q": q, "p": self.p}
         try:
             found = evaluate(self.program, "slopes", arguments, math)
@@ -246,23 +229,24 @@ def elimination(
 
     In a `structure` its values are kinds of values.
     """
-    n, graph = scene.n, structure or scene.graph
-    mass, jacobian = (_kinds(scene, e, structure) for e in (scene.mass, scene.jacobian))
+    system, graph = motion_system(scene), structure or scene.graph
+    n, m = system.n, len(system.rows)
+    mass, jacobian = (_kinds(scene, e, structure) for e in (system.mass, system.jacobian))
     entries, references = augmented(graph, mass, jacobian, n)
     for i, size in references.items():
         labels.name(size, "size", i)
-    duals = frozenset(range(n, n + scene.m))
+    duals = frozenset(range(n, n + m))
     forces = scene.frictions if right is None else ()
-    right = right or [scene.forces + scene.gamma]
+    right = right or [system.forces + system.gamma]
     for friction in forces:  # a unit force of it
         push = [friction.direction.get(k, scene.graph.zero) for k in range(n)]
-        right.append([*push, *[scene.graph.zero] * scene.m])
+        right.append([*push, *[scene.graph.zero] * m])
     if structure:
         right = [structure.kinds(scene.graph, column) for column in right]
-    lengths = {k for k, q in enumerate(scene.equations.coordinates) if q.unit == "m"}
-    with_lengths = {i for i, k in scene.jacobian if k in lengths}
+    lengths = system.lengths
+    with_lengths = {i for i, k in system.jacobian if k in lengths}
     located = [(k, n + i, i not in with_lengths) for i, k in scene.massless]
-    owners = [*(q.owner for q in scene.equations.coordinates), *scene.owners]
+    owners = [*system.owners, *(scene.owners[i] for i in system.rows)]
     return Elimination(graph, entries, right, duals, references, located, labels, owners)
 
 
@@ -313,7 +297,8 @@ def dynamics_kernel(
 ) -> Kernel:
     """The fused kernel by one order of elimination, with a step of refinement or without."""
     n, graph, names = scene.n, scene.graph, scene.row_names
-    labels = _labels(scene)
+    motion = motion_system(scene)
+    labels = _labels(scene, motion)
     labels.step("Sizes that the pivots are compared with: the diagonal of Φ_q M⁻¹ Φ_qᵀ")
     with graph.serving("factorization"):
         system = elimination(scene, labels)
@@ -324,26 +309,30 @@ def dynamics_kernel(
             labels.solved(columns)
         if scene.frictions:
             labels.step("Friction: its forces, and what they change")
-        columns = [[*column[:n], *scene.multipliers(column[n:])] for column in columns]
-        solution, rubbing = with_friction(scene, columns)
+        found = [written_back(scene, motion, column) for column in columns]
+        found = [[*column[:n], *scene.multipliers(column[n:])] for column in found]
+        solution, rubbing = with_friction(scene, found)
         if scene.m == len(names):
-            labels.solved([solution])
+            labels.solved(columns[:1] if scene.turns else [solution])
     outputs = store("a", solution[:n], scene.rates)
     outputs += tuple(Output("lam", row, solution[n + row], names[row]) for row in rows)
-    stated = scene.stated
-    checks = [check._replace(constraint=stated[check.constraint - n]) for check in system.checks]
+    stated = [scene.stated[row] for row in motion.rows]
+    checks = [
+        check._replace(constraint=stated[check.constraint - motion.n]) for check in system.checks
+    ]
     checks += rubbing
     summary = "q̈ and λ of M q̈ + Φ_qᵀ λ = Q, Φ_q q̈ = γ."
     return labels.kernel("accelerations", summary, ARGUMENTS, outputs, checks)
 
 
-def _labels(scene: SceneGraph) -> Labels:
+def _labels(scene: SceneGraph, system: MotionSystem) -> Labels:
     """Names of the equations of motion: without friction, and for a unit force of each friction."""
-    right = [f"Q_{name}" for name in scene.names] + [f"gamma_{name}" for name in scene.rows]
-    solution = [f"{rate}_rate" for rate in scene.rates] + [f"lambda_{name}" for name in scene.rows]
+    rows = [scene.rows[i] for i in system.rows]
+    right = [f"Q_{name}" for name in system.names] + [f"gamma_{name}" for name in rows]
+    solution = [f"{rate}_rate" for rate in system.rates] + [f"lambda_{name}" for name in rows]
     tails = ["", *(f"_{e.name}" for e in scene.equations.effects if e.terms.friction)]
     return Labels(
-        [*scene.names, *scene.rows],
+        [*system.names, *rows],
         [[name + tail for name in right] for tail in tails],
         [[name + tail for name in solution] for tail in tails],
     )

@@ -74,34 +74,46 @@ def with_independent_rows(scene: SceneGraph, shared: Sequence[SharedRows]) -> Sc
         found.stated = sorted(weights)
         places = {stated: row for row, stated in enumerate(found.stated)}
         found.weights = [weights[i] for i in places]
-        found.m, found.jacobian = len(places), {}
+        found.m = len(places)
         found.rows, found.owners = ([of[i] for i in places] for of in (scene.rows, scene.owners))
         found.phi, found.nu, found.gamma = (
             [graph.dot(row.values(), [of[i] for i in row]) for row in found.weights]
             for of in (scene.phi, scene.nu, scene.gamma)
         )
-        stated: dict[int, Row] = {}
-        for (i, k), entry in scene.jacobian.items():
-            stated.setdefault(i, {})[k] = entry
-        for row, factors in enumerate(found.weights):
-            for k in sorted({k for i in factors for k in stated.get(i, ())}):
-                pairs = [(factor, stated[i][k]) for i, factor in factors.items() if k in stated[i]]
-                found.jacobian[row, k] = graph.dot(*zip(*pairs, strict=True))
+        found.jacobian, found.turned_jacobian = (
+            _combined(scene, found.weights, of) for of in (scene.jacobian, scene.turned_jacobian)
+        )
     found.massless = [(places[i], k) for i, k in scene.massless]
+    found.norms = {places[i]: turn for i, turn in scene.norms.items()}
+    return found
+
+
+def _combined(scene: SceneGraph, weights: list[Row], jacobian: Entries) -> Entries:
+    """The slopes of the rows with these weights, from those of the constraints as stated."""
+    graph, stated, found = scene.graph, dict[int, Row](), Entries()
+    for (i, k), entry in jacobian.items():
+        stated.setdefault(i, {})[k] = entry
+    for row, factors in enumerate(weights):
+        for k in sorted({k for i in factors for k in stated.get(i, ())}):
+            pairs = [
+                (factor, stated[i][k]) for i, factor in factors.items() if k in stated.get(i, ())
+            ]
+            found[row, k] = graph.dot(*zip(*pairs, strict=True))
     return found
 
 
 def free_multipliers(
     scene: SceneGraph, jacobian: Entries, shared: Sequence[SharedRows], strategy: Strategy
 ) -> tuple[Kernel, int] | None:
-    """The kernel of multipliers that exert no force, and how many; None of a large machine.
+    """The kernel of multipliers that exert no force, and how many; None of a large machine,
+    or one in space.
 
     What a joint leaves out is a sum d of its rows in `jacobian`, Φ_q as stated, that the others
     imply: their multipliers balance the forces -dᵀ, and nothing moves.
     """
     graph, n, m = scene.graph, scene.n, len(scene.row_names)
     left_out = [row for joint in shared for row in _left_out(scene, joint)]
-    if len(left_out) * m > _LARGEST:
+    if scene.turns or len(left_out) * m > _LARGEST:
         return None
     right = []
     for row in left_out:

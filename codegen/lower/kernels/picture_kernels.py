@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 from codegen.derive.scene_picture import BodyNumber, PlaneCurve, ScenePicture, Scoped, Slope
 from codegen.drawing.picture import BodyLayout, Layout, ShapeLayout, Symbol
 from codegen.drawing.shapes import Place
+from codegen.errors import ModelError
 from codegen.lower.differentiation.gradient import Slopes
 from codegen.lower.lowered_scene import Lowered
 from codegen.lower.program import Program, storing
@@ -13,6 +14,7 @@ from codegen.lower.scene_graph import SceneGraph
 from codegen.lower.sympy_translation import Translator
 
 NAME, CURVES = "picture", "curves"
+IN_SPACE = "is in space, and there are pictures of machines in the plane alone so far"
 
 
 class LoweredPicture(NamedTuple):
@@ -23,8 +25,10 @@ class LoweredPicture(NamedTuple):
 
 
 def lower_picture(lowered: Lowered) -> LoweredPicture:
-    """Translate the picture of a scene into kernels."""
+    """Translate the picture of a scene into kernels; ModelError for a machine in space."""
     title = f"{lowered.description.model}, {lowered.description.scene}"
+    if lowered.scene.turns:
+        raise ModelError(f"{title.replace(', ', '/')} {IN_SPACE}. Series have tables and plots.")
     return _Lowering(lowered.scene).lowered(title)
 
 

@@ -1,0 +1,106 @@
+"""The rotation of a body in space, as functions of its Euler parameters p = (e0, e).
+
+    A = (2 e0² - 1) I + 2 (e eᵀ + e0 ẽ),   ω' = 2 G ṗ,   G = [-e, -ẽ + e0 I],   pᵀp = 1
+
+The entries of A and the components of ω' are functions of SymPy, each known as a whole. Calculus
+sees the Euler parameters in them, and `codegen.lower` computes them once for each body (E. J. Haug,
+Computer-Aided Kinematics and Dynamics of Mechanical Systems, 1989, 9.3).
+"""
+
+from typing import Any
+
+import sympy
+
+AXES = "xyz"
+G = (
+    ((-1, 1), (1, 0), (1, 3), (-1, 2)),
+    ((-1, 2), (-1, 3), (1, 0), (1, 1)),
+    ((-1, 3), (1, 2), (-1, 1), (1, 0)),
+)
+"""(sign, k) of each entry ± e_k of G."""
+_MATRIX = tuple((i, k) for i in range(3) for k in range(3))
+
+
+class _Entry(sympy.Function):  # type: ignore[misc]
+    """A function whose first arguments are numbers of axes, and whose others are real."""
+
+    axes = 1
+
+    @classmethod
+    def eval(cls, *args: Any) -> Any:
+        """The number, where all arguments are numbers."""
+        at = args[cls.axes :]
+        return cls._polynomial(*args) if all(a.is_number for a in at) else None
+
+    @classmethod
+    def _polynomial(cls, *args: Any) -> Any:
+        raise NotImplementedError
+
+    def polynomial(self) -> sympy.Expr:
+        """The function written out."""
+        return self._polynomial(*self.args)
+
+    def fdiff(self, argindex: int = 1) -> sympy.Expr:
+        """∂/∂ of an argument."""
+        places = sympy.symbols(f"a:{len(self.args)}", cls=sympy.Dummy)
+        at = (*self.args[: self.axes], *places[self.axes :])
+        slope = sympy.diff(self._polynomial(*at), places[argindex - 1])
+        return slope.xreplace(dict(zip(places, self.args, strict=True)))
+
+    def _eval_is_extended_real(self) -> bool:
+        return True
+
+    def _eval_is_finite(self) -> bool:
+        return True
+
+    def _sympystr(self, printer: Any) -> str:
+        owner = str(self.args[self.axes]).rpartition("_")[0]
+        return f"{owner}_{self.symbol}{''.join(AXES[int(k)] for k in self.args[: self.axes])}"
+
+
+class RotationEntry(_Entry):
+    """A_ik(e0, e1, e2, e3), of arguments i, k, e0, e1, e2, e3."""
+
+    axes = 2
+    symbol = "A"
+
+    @classmethod
+    def _polynomial(cls, i: Any, k: Any, e0: Any, *e: Any) -> sympy.Expr:
+        i, k = int(i), int(k)
+        if i == k:
+            return 2 * (e0**2 + e[i] ** 2) - 1
+        sign = 1 if (i - k) % 3 == 1 else -1
+        return 2 * (e[i] * e[k] + sign * e0 * e[3 - i - k])
+
+
+class SpinEntry(_Entry):
+    """ω'_k(p, ṗ), of arguments k, e0, e1, e2, e3, ė0, ė1, ė2, ė3."""
+
+    symbol = "omega_"
+
+    @classmethod
+    def _polynomial(cls, k: Any, *at: Any) -> sympy.Expr:
+        p, rates = at[:4], at[4:]
+        signs = zip(G[int(k)], rates, strict=True)
+        return 2 * sympy.Add(*(sign * p[j] * rate for (sign, j), rate in signs))
+
+
+ENTRIES = (RotationEntry, SpinEntry)
+
+
+def rotation_matrix(p: tuple[Any, ...]) -> sympy.ImmutableMatrix:
+    """A of Euler parameters, 3 × 3."""
+    return sympy.ImmutableMatrix(3, 3, [RotationEntry(i, k, *p) for i, k in _MATRIX])
+
+
+def spin(p: tuple[Any, ...], rates: tuple[Any, ...]) -> tuple[sympy.Expr, ...]:
+    """ω' of Euler parameters and their rates."""
+    return tuple(SpinEntry(k, *p, *rates) for k in range(3))
+
+
+def turned_by_unit(matrix: sympy.Matrix, k: int) -> sympy.Matrix:
+    """A ẽ_k, the slope of A by a turn about the body's own axis k, 3 × 3."""
+    e = sympy.zeros(3, 1)
+    e[k] = 1
+    columns = [matrix * e.cross(sympy.eye(3)[:, j]) for j in range(3)]
+    return sympy.Matrix.hstack(*columns)

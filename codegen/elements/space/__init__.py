@@ -1,0 +1,1 @@
+"""Elements of machines in space."""

@@ -1,0 +1,94 @@
+"""Given loads in space: gravity, forces and torques."""
+
+from typing import Literal
+
+import sympy
+
+from codegen.declare.body import Bodies, Loads
+from codegen.declare.element import Effect, Measure, Measures, label
+from codegen.declare.element_fields import quantity
+from codegen.declare.space_body import SpaceBody, SpacePoint
+from codegen.elements.forces.applied import Gravity
+from codegen.elements.registry import element
+
+NEWTONS, TORQUES = ("N",) * 3, ("N m",) * 3
+Three = tuple[sympy.Expr, ...]
+
+
+@element(space=True)
+class GravityInSpace(Effect):
+    """Gravity pulls at all bodies with mass.
+
+    V = -Σ m gᵀ r.
+    """
+
+    kind = "gravity in space"
+    name: str
+    g: Three = quantity(("m/s^2",) * 3)
+
+    potential = Gravity.potential
+    weights = Gravity.weights
+
+
+@element(space=True)
+class ForceInSpace(Effect):
+    """A force acts on a point of a body.
+
+    Q_r = F and n' = s' × Aᵀ F, with F in global or in body axes.
+    """
+
+    kind = "force in space"
+    name: str
+    point: SpacePoint
+    value: Three = quantity(NEWTONS)
+    frame: Literal["ground", "body"] = "ground"
+
+    def forces(self, bodies: Bodies) -> Loads:
+        """The generalized forces on x, y, z and the torque about the body's axes."""
+        body, force = self.point.body, sympy.Matrix(self.value)
+        inner = force if self.frame == "body" else body.A.T * force
+        outer = body.A * force if self.frame == "body" else force
+        torque = sympy.Matrix(self.point.place).cross(inner)
+        pairs = zip(body.coordinates[:3], outer, strict=True)
+        return {q: f for q, f in pairs if f != 0} | body.torque(torque)
+
+    def measures(self, bodies: Bodies) -> Measures:
+        """F, in the axes in which it is given."""
+        return _components("force", "f", "N", self.value)
+
+    def problems(self) -> list[str]:
+        """The ground cannot be pushed."""
+        return _of_ground(self, self.point.body)
+
+
+@element(space=True)
+class TorqueInSpace(Effect):
+    """A torque acts on a body, in global or in body axes."""
+
+    kind = "torque in space"
+    name: str
+    body: SpaceBody
+    value: Three = quantity(TORQUES)
+    frame: Literal["ground", "body"] = "ground"
+
+    def forces(self, bodies: Bodies) -> Loads:
+        """The torque about the body's axes."""
+        value = sympy.Matrix(self.value)
+        return self.body.torque(value if self.frame == "body" else self.body.A.T * value)
+
+    def measures(self, bodies: Bodies) -> Measures:
+        """The torque, in the axes in which it is given."""
+        return _components("torque", "t", "N m", self.value)
+
+    def problems(self) -> list[str]:
+        """The ground cannot be turned."""
+        return _of_ground(self, self.body)
+
+
+def _components(quantity: str, letter: str, unit: str, value: Three) -> Measures:
+    pairs = zip("xyz", value, strict=True)
+    return tuple(Measure(quantity, f"{letter}{c}", unit, sympy.sympify(v)) for c, v in pairs)
+
+
+def _of_ground(effect: Effect, body: SpaceBody) -> list[str]:
+    return [f"{label(effect)} acts on the ground; give a moving body."] if body.fixed else []
