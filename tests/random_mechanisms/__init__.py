@@ -2,6 +2,7 @@
 
 `random_mechanism(seed)` draws sizes and poses first; joints follow from the poses, so that
 every mechanism is assembled at t = 0. Its `model()` is a declaration with the scene ``"run"``.
+Modules named `spatial_…` hold the same for bodies in space.
 """
 
 from tests.random_mechanisms.generator import (

@@ -1,0 +1,213 @@
+"""A spatial mechanism as plain numbers: what is declared, and what the dense equations are made of.
+
+Lengths are in m, masses in kg, times in s, angles in rad. A body is named by its index in
+`SpatialMechanism.bodies`; `GROUND` is the frame that does not move. Every point (`at`) and axis is
+given in global axes at the drawing, where all joints are closed, and is fixed in the bodies that
+the joint names. Joints go from body i to body j: j is what moves, and what feels the reaction.
+"""
+
+from dataclasses import dataclass, field
+
+from tests.random_mechanisms.parts import GROUND, Law
+
+__all__ = ["GROUND", "Law"]
+
+Vector = tuple[float, float, float]
+Matrix = tuple[Vector, Vector, Vector]
+IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+REST = Law()
+
+
+@dataclass(frozen=True)
+class SpatialBody:
+    """A rigid body at the drawing.
+
+    `inertia` is J′, about the centre of mass in the body's axes; `r` the centre of mass; `A` turns
+    body axes into global ones.
+    """
+
+    name: str
+    mass: float
+    inertia: Matrix
+    r: Vector = (0.0, 0.0, 0.0)
+    A: Matrix = IDENTITY
+
+
+@dataclass(frozen=True)
+class SpatialJoint:
+    """A joint or driver; the classes below add their numbers."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class TwoBodyJoint(SpatialJoint):
+    """A joint between two bodies."""
+
+    i: int
+    j: int
+
+
+@dataclass(frozen=True)
+class Spherical(TwoBodyJoint):
+    """The points that lie at `at` coincide."""
+
+    at: Vector
+
+
+@dataclass(frozen=True)
+class Weld(TwoBodyJoint):
+    """No relative motion."""
+
+    at: Vector
+
+
+@dataclass(frozen=True)
+class Revolute(TwoBodyJoint):
+    """Body j turns relative to body i about `axis` through `at`."""
+
+    at: Vector
+    axis: Vector
+
+
+@dataclass(frozen=True)
+class Translational(TwoBodyJoint):
+    """Body j slides along `axis`, fixed in body i, and does not turn relative to it."""
+
+    at: Vector
+    axis: Vector
+
+
+@dataclass(frozen=True)
+class Cylindrical(TwoBodyJoint):
+    """Body j slides along `axis` and turns about it."""
+
+    at: Vector
+    axis: Vector
+
+
+@dataclass(frozen=True)
+class Universal(TwoBodyJoint):
+    """The points at `at` coincide; `axis_i` of body i stays at right angles to `axis_j` of j."""
+
+    at: Vector
+    axis_i: Vector
+    axis_j: Vector
+
+
+@dataclass(frozen=True)
+class SphericalSpherical(TwoBodyJoint):
+    """A massless link: two points keep the distance that they have at the drawing."""
+
+    at_i: Vector
+    at_j: Vector
+
+
+@dataclass(frozen=True)
+class PointDriver(SpatialJoint):
+    """A global coordinate (``"x"``, ``"y"`` or ``"z"``) of a point of a body is the law."""
+
+    body: int
+    at: Vector
+    letter: str
+    law: Law
+
+
+@dataclass(frozen=True)
+class DistanceDriver(TwoBodyJoint):
+    """The distance of two points is the law."""
+
+    at_i: Vector
+    at_j: Vector
+    law: Law
+
+
+@dataclass(frozen=True)
+class AngleDriver(SpatialJoint):
+    """The angle of a revolute or cylindrical joint, 0 at the drawing, is the law."""
+
+    joint: str
+    law: Law
+
+
+@dataclass(frozen=True)
+class SlideDriver(SpatialJoint):
+    """The slide of a translational or cylindrical joint, 0 at the drawing, is the law."""
+
+    joint: str
+    law: Law
+
+
+DRIVERS = (PointDriver, DistanceDriver, AngleDriver, SlideDriver)
+TURNING = (Revolute, Cylindrical)
+SLIDING = (Translational, Cylindrical)
+
+
+@dataclass(frozen=True)
+class SpatialEffect:
+    """A force; the classes below add their numbers."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class Gravity(SpatialEffect):
+    """The same acceleration for all bodies, m/s²."""
+
+    g: Vector = (0.0, 0.0, -9.81)
+
+
+@dataclass(frozen=True)
+class Force(SpatialEffect):
+    """A force at a point of a body, by its components in ``"global"`` or ``"body"`` axes, N."""
+
+    body: int
+    at: Vector
+    laws: tuple[Law, Law, Law]
+    frame: str = "global"
+
+
+@dataclass(frozen=True)
+class Torque(SpatialEffect):
+    """A torque on a body, by its components in ``"global"`` or ``"body"`` axes, N m."""
+
+    body: int
+    laws: tuple[Law, Law, Law]
+    frame: str = "global"
+
+
+@dataclass(frozen=True)
+class Spring(SpatialEffect):
+    """Pulls two points together by stiffness (l - free_length) + damping l̇ + actuator."""
+
+    i: int
+    j: int
+    at_i: Vector
+    at_j: Vector
+    stiffness: float
+    free_length: float
+    damping: float = 0.0
+    actuator: Law = REST
+
+
+@dataclass(frozen=True)
+class TorsionSpring(SpatialEffect):
+    """Turns j back by stiffness (θ - free_angle) + damping θ̇, θ of a joint through its turns."""
+
+    joint: str
+    stiffness: float
+    free_angle: float = 0.0
+    damping: float = 0.0
+
+
+@dataclass(frozen=True)
+class SpatialMechanism:
+    """Bodies, joints with drivers among them, and forces."""
+
+    bodies: tuple[SpatialBody, ...]
+    joints: tuple[SpatialJoint, ...]
+    effects: tuple[SpatialEffect, ...] = field(default=())
+
+    def joint(self, name: str) -> SpatialJoint:
+        """The joint of a name."""
+        return next(joint for joint in self.joints if joint.name == name)
