@@ -179,7 +179,7 @@ def test_wheels_that_fit_their_bearings(case: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "case", ['coordinate("a", "z")', 'coordinate(a, "phi")', 'ConjugateReaction.along("z")']
+    "case", ['coordinate("a", "w")', 'coordinate(a, "phi")', 'ConjugateReaction.along("w")']
 )
 def test_a_coordinate_that_there_is_not(case: str) -> None:
     """The list ends with the coordinates that elements of one's own have declared."""

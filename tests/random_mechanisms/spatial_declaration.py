@@ -1,0 +1,144 @@
+"""A spatial mechanism's parts as a declaration in Linkwright, and its states by coordinates."""
+
+from functools import singledispatch
+from typing import Any
+
+import numpy as np
+import sympy
+
+from codegen import Model
+from tests.random_mechanisms import spatial_parts as parts
+from tests.random_mechanisms.declaration import law
+from tests.random_mechanisms.spatial_constraints import Layout, SpatialState
+
+UNDECLARED = (parts.AngleDriver, parts.TorsionSpring)  # angles of joints are no coordinates
+FRAMES = {"global": "ground", "body": "body"}
+
+
+class SpatialDeclaration:
+    """A model in space under construction."""
+
+    def __init__(self, mechanism: parts.SpatialMechanism, name: str) -> None:
+        self.model: Any = Model(name, space=True)
+        self.mechanism, self._layout = mechanism, Layout(mechanism)
+        self.bodies = [
+            self.model.body(
+                b.name, b.mass, b.inertia, at=b.r, axes=tuple(zip(*b.A, strict=True))[:2]
+            )
+            for b in mechanism.bodies
+        ]
+
+    def body(self, index: int) -> Any:
+        """A body, or the ground."""
+        return self.model.ground if index == parts.GROUND else self.bodies[index]
+
+    def at(self, index: int, place: parts.Vector) -> Any:
+        """The point of a body at a place of the drawing."""
+        return self.body(index).at(*self._layout.fixed_point(index, place).tolist())
+
+    def along(self, index: int, axis: parts.Vector) -> Any:
+        """A unit vector of a body, in global axes, as expressions."""
+        return self.body(index).A * sympy.Matrix(self._layout.fixed_vector(index, axis).tolist())
+
+
+def declare(mechanism: parts.SpatialMechanism, name: str) -> Model:
+    """The model, with a scene ``"run"`` of all its effects and drivers."""
+    to = SpatialDeclaration(mechanism, name)
+    for part in (*mechanism.joints, *mechanism.effects):
+        add(part, to)
+    drivers = [joint.name for joint in mechanism.joints if isinstance(joint, parts.DRIVERS)]
+    to.model.scene("run", effects=[e.name for e in mechanism.effects], drivers=drivers)
+    model: Model = to.model
+    return model
+
+
+def coordinates(state: SpatialState) -> tuple[Any, Any]:
+    """q and q̇ of a state: of each body r and the Euler parameters, with ṗ = ½ Gᵀ ω′."""
+    p, w = state.euler_parameters, state.body_rates
+    e0, e = p[:, :1], p[:, 1:]
+    rates = np.hstack([-np.sum(e * w, axis=1, keepdims=True), e0 * w + np.cross(e, w)]) / 2
+    return np.hstack([state.r, p]).ravel(), np.hstack([state.v, rates]).ravel()
+
+
+@singledispatch
+def add(part: Any, to: SpatialDeclaration) -> None:
+    """Declare one part."""
+    raise NotImplementedError(type(part))
+
+
+@add.register(parts.Spherical)
+@add.register(parts.Weld)
+def _(part: Any, to: SpatialDeclaration) -> None:
+    word = "spherical" if isinstance(part, parts.Spherical) else "weld"
+    getattr(to.model, word)(part.name, to.body(part.i), to.body(part.j), at=part.at)
+
+
+@add.register(parts.Revolute)
+@add.register(parts.Translational)
+@add.register(parts.Cylindrical)
+def _(part: Any, to: SpatialDeclaration) -> None:
+    word = type(part).__name__.lower()
+    ends = to.body(part.i), to.body(part.j)
+    getattr(to.model, word)(part.name, *ends, at=part.at, axis=part.axis)
+
+
+@add.register
+def _(part: parts.Universal, to: SpatialDeclaration) -> None:
+    ends, axes = (to.body(part.i), to.body(part.j)), (part.axis_i, part.axis_j)
+    to.model.universal(part.name, *ends, at=part.at, axes=axes)
+
+
+@add.register
+def _(part: parts.SphericalSpherical, to: SpatialDeclaration) -> None:
+    to.model.distance(part.name, to.at(part.i, part.at_i), to.at(part.j, part.at_j))
+
+
+@add.register
+def _(part: parts.PointDriver, to: SpatialDeclaration) -> None:
+    driven = getattr(to.at(part.body, part.at), part.letter)
+    to.model.driver(part.name, driven, law(part.law))
+
+
+@add.register
+def _(part: parts.DistanceDriver, to: SpatialDeclaration) -> None:
+    span = _span(to.at(part.i, part.at_i), to.at(part.j, part.at_j))
+    to.model.driver(part.name, sympy.sqrt(span.dot(span)), law(part.law))
+
+
+@add.register
+def _(part: parts.SlideDriver, to: SpatialDeclaration) -> None:
+    of: Any = to.mechanism.joint(part.joint)
+    span = _span(to.at(of.i, of.at), to.at(of.j, of.at))
+    to.model.driver(part.name, to.along(of.i, of.axis).dot(span), law(part.law))
+
+
+def _span(begin: Any, end: Any) -> sympy.Matrix:
+    """From a point to another."""
+    return sympy.Matrix(end.position) - sympy.Matrix(begin.position)
+
+
+@add.register
+def _(part: parts.Gravity, to: SpatialDeclaration) -> None:
+    to.model.gravity(part.name, part.g)
+
+
+@add.register
+def _(part: parts.Force, to: SpatialDeclaration) -> None:
+    value = tuple(map(law, part.laws))
+    to.model.force(part.name, to.at(part.body, part.at), value, frame=FRAMES[part.frame])
+
+
+@add.register
+def _(part: parts.Torque, to: SpatialDeclaration) -> None:
+    value = tuple(map(law, part.laws))
+    to.model.torque(part.name, to.body(part.body), value, frame=FRAMES[part.frame])
+
+
+@add.register
+def _(part: parts.Spring, to: SpatialDeclaration) -> None:
+    ends = to.at(part.i, part.at_i), to.at(part.j, part.at_j)
+    actuator = {} if part.actuator == parts.REST else {"actuator": law(part.actuator)}
+    to.model.spring(
+        part.name, *ends, stiffness=part.stiffness, free_length=part.free_length,
+        damping=part.damping, **actuator,
+    )  # fmt: skip

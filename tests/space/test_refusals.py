@@ -1,0 +1,213 @@
+"""What a machine in space does not have yet is refused by name, and what is wrong in it told."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from codegen import Model, t
+from codegen.driver import build
+from codegen.errors import AnalysisError, InputError, ModelError, ParameterError
+from codegen.model.bodies import MovingBodies
+from codegen.model.contacts import Contacts
+from codegen.model.forces import Forces
+from codegen.model.space_model import ELEMENTS, REFUSED, SpaceModel
+from runtime import load
+from tests.space.machines import X, Z, heavy_top
+
+
+def declared(**words: Any) -> Any:
+    model = Model("machine", space=True, gravity=(0, 0, -9.81))
+    model.body("a", 1.0, (1.0, 2.0, 2.5), **words)
+    return model
+
+
+@pytest.mark.parametrize("word", REFUSED)
+def test_elements_of_the_plane_are_refused_by_name(word: str) -> None:
+    with pytest.raises(ModelError) as refusal:
+        getattr(declared(), word)("it")
+    assert f"model.{word}: model 'machine' is in space" in str(refusal.value)
+
+
+def test_every_word_of_the_plane_is_refused_or_means_something_in_space() -> None:
+    rooms = [base for room in (MovingBodies, Contacts, Forces) for base in room.__mro__]
+    modules = ("bodies", "constraints", "connections", "contacts", "forces")
+    words = {
+        word
+        for base in rooms
+        if base.__module__ in {f"codegen.model.{name}" for name in modules}
+        for word, method in vars(base).items()
+        if callable(method) and not word.startswith("_")
+    }
+    known = {*ELEMENTS.replace(" and", ",").split(", "), *REFUSED, "label"}
+    assert words - known == set()
+    assert all(callable(getattr(SpaceModel, word)) for word in known)
+
+
+MISTAKES: dict[str, tuple[Callable[[Any], Any], str]] = {
+    "flat inertia": (
+        lambda m: m.body("b", 1.0, (0.1, 0.3, 0.5)),
+        ("inertia of body 'b' has the principal moments 0.1, 0.3, 0.5 kg m^2, of which the largest "
+        "exceeds the sum of the others; no distribution of mass has that. Check units and axes."),
+    ),
+    "negative inertia": (
+        lambda m: m.body("b", 1.0, (1.0, 1.0, 1.0, 2.0, 0.0, 0.0)),
+        "the principal moments -1, 1, 3 kg m^2; all three must be positive.",
+    ),
+    "two moments": (
+        lambda m: m.body("b", 1.0, (1.0, 1.0)),
+        ("inertia of body 'b' is (1.0, 1.0); give three principal moments, six numbers J_xx, J_yy, "
+        "J_zz, J_xy, J_xz, J_yz, or a matrix, 3 x 3."),
+    ),
+    "one moment": (
+        lambda m: m.body("b", 1.0, 0.5),
+        ("inertia of body 'b' is 0.5; give three principal moments, six numbers J_xx, J_yy, J_zz, "
+        "J_xy, J_xz, J_yz, or a matrix, 3 x 3."),
+    ),
+    "skew matrix": (
+        lambda m: m.body("b", 1.0, np.array([[1, 2, 0], [0, 1, 0], [0, 0, 1.0]])),
+        "give a symmetric matrix.",
+    ),
+    "unknown symbol": (
+        lambda m: m.body("b", 1.0, (m.bodies["a"].x, 1.0, 1.0)),
+        "inertia of body 'b': unknown symbol 'a_x'; an inertia consists of numbers and",
+    ),
+    "parallel axes": (
+        lambda m: m.body("b", 1.0, (1.0, 1.0, 1.0), axes=(X, X)),
+        "body 'b': axes is ((1, 0, 0), (1, 0, 0)); give two axes that are not parallel, a",
+    ),
+    "place of two": (
+        lambda m: m.body("b", 1.0, (1.0, 1.0, 1.0), at=(1, 2)),
+        "body 'b': at is (1, 2); give 3 numbers, as (1.0, 0.0, 0.0).",
+    ),
+    "point of two": (
+        lambda m: m.spherical("S", m.ground, m.bodies["a"], at=(1, 2)),
+        "'S': at is (1, 2); give 3 numbers, as (1.0, 0.0, 0.0).",
+    ),
+    "no axis": (
+        lambda m: m.revolute("R", m.ground, m.bodies["a"], at=(0, 0, 0), axis=(0, 0, 0)),
+        "revolute in space 'R': axis (0, 0, 0) has no direction; give one.",
+    ),
+    "axis of another body": (
+        lambda m: m.revolute(
+            "R", m.ground.at(0, 0, 0), m.bodies["a"].at(0, 0, 0),
+            axis=(m.bodies["a"].along(*Z), m.bodies["a"].along(*Z)),
+        ),
+        "is no axis of body 'ground'.",
+    ),
+    "point with at": (
+        lambda m: m.spherical("S", m.ground, m.bodies["a"].at(0, 0, 0), at=(0, 0, 0)),
+        "'S', with at=: Point of 'a' is no body; give a body as a whole.",
+    ),
+    "one axis": (
+        lambda m: m.universal("U", m.ground, m.bodies["a"], at=(0, 0, 0), axes=X),
+        "universal 'U': axes=(1, 0, 0); give two axes.",
+    ),
+    "itself": (
+        lambda m: m.spherical("S", m.bodies["a"].at(0, 0, 0), m.bodies["a"].at(0, 0, 1)),
+        "spherical 'S' connects body 'a' with itself; give two different bodies.",
+    ),
+    "no point": (
+        lambda m: m.spherical("S", m.ground, "a"),
+        "'S': 'a' is neither a point nor a body of a machine in space; write body.at(x, y, z).",
+    ),
+    "pushed ground": (
+        lambda m: m.force("F", m.ground.at(0, 0, 0), (1, 0, 0)),
+        "force in space 'F' acts on the ground; give a moving body.",
+    ),
+    "force of two": (
+        lambda m: m.force("F", m.bodies["a"], (1, 0)),
+        "value of force in space 'F': (1, 0) is not 3 values; write value=(1, 0, 0).",
+    ),
+    "flat gravity": (
+        lambda m: m.gravity("g", (0, -9.81)),
+        "g of gravity in space 'g': (0, -9.81) is not 3 values; write g=(1, 0, 0).",
+    ),
+    "length": (
+        lambda m: m.distance("D", m.ground, m.bodies["a"], -1.0),
+        "the length is -1 m; give a positive number, or use a spherical joint.",
+    ),
+    "mass of t": (
+        lambda m: m.body("b", 1.0 + t, (1.0, 1.0, 1.0)),
+        "mass of body 'b' is t + 1.0; masses that vary are there for machines in the plane alone",
+    ),
+    "force on the ground": (
+        lambda m: m.scene("s", outputs=["shaking"]),
+        ("scene 's': the force on the ground needs x, y and phi, but body 'a' has x, y, z, e0, e1, "
+        "e2, e3; leave that output out."),
+    ),
+    "series of the ground": (
+        lambda m: m.scene("s", outputs={"double": 2 * m.series("ground.fx")}),
+        "scene 's': the force on the ground needs x, y and phi, but body 'a' has",
+    ),
+    "global reaction": (
+        lambda m: (
+            m.spherical("S", m.ground, m.bodies["a"], at=(0, 0, 0)),
+            m.scene("s", outputs=["global_reaction(S)"]),
+        ),
+        "reactions in space are in global axes; ask for 'reaction(S)'.",
+    ),
+    "start": (
+        lambda m: m.scene("other", start={"a.omega": 1.0}),
+        "scene 'other': 'a.omega' is no coordinate or velocity; did you mean a.omega_z",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", MISTAKES)
+def test_mistakes_are_told(case: str, tmp_path: Path) -> None:
+    mistake, text = MISTAKES[case]
+    model = declared()
+    mistake(model)
+    if not model.scenes:
+        model.scene("s")
+    with pytest.raises(ModelError) as refusal:
+        build(model, out=tmp_path, compile=False)
+    assert text in str(refusal.value)
+
+
+def test_space_is_true_or_false() -> None:
+    assert not Model("machine").in_space
+    assert declared().in_space
+    model = Model("machine", space="yes")  # type: ignore[arg-type]
+    model.body("a", 1.0, 1.0)
+    model.scene("s")
+    with pytest.raises(ModelError, match="space='yes'; write True or False"):
+        build(model, compile=False)
+
+
+def test_an_inertia_of_parameters_is_judged_before_each_run(workshop: Path) -> None:
+    model = Model("machine", space=True)
+    j = model.parameter("J", 0.3, "kg m^2")
+    model.body("a", 1.0, (j, 0.5, j))
+    model.scene("s")
+    machine = load(model, folder=workshop)
+    assert machine.simulate(0.1, 2, parameters={"J": 0.25}, progress=False).t[-1] == 0.1
+    for value, fault in ((0.2, "has a moment above the sum"), (-0.1, "is not positive definite")):
+        with pytest.raises(ParameterError, match=f"body 'a': inertia: it {fault}"):
+            machine.simulate(0.1, 2, parameters={"J": value}, progress=False)
+
+
+def test_a_body_without_inertia_moves_in_kinematics_alone(tmp_path: Path) -> None:
+    model = Model("machine", space=True)
+    model.body("a", 1.0)
+    model.scene("s")
+    with pytest.raises(ModelError, match="body 'a' has no inertia; give it in"):
+        build(model, out=tmp_path, compile=False)
+
+
+def test_pictures_and_equilibrium_are_refused(workshop: Path) -> None:
+    machine = load(heavy_top(), folder=workshop)
+    result = machine.simulate(0.01, 3, progress=False)
+    for drawing in (machine.draw, result.draw, heavy_top().draw):
+        with pytest.raises(InputError, match="is in space, and there are pictures of machines in"):
+            drawing()
+    with pytest.raises(AnalysisError, match="equilibrium is there for machines in the plane"):
+        machine.equilibrium()
+    with pytest.raises(AnalysisError, match="assembly_modes are there for machines in the plane"):
+        machine.assembly_modes()
+    with pytest.raises(AnalysisError, match="limits are there for machines in the plane"):
+        machine.limits("top.z")
+    assert result.plot("top.omega_y", "top.z") is not None
