@@ -105,11 +105,11 @@ def _combined(scene: SceneGraph, weights: list[Row], jacobian: Entries) -> Entri
 def free_multipliers(
     scene: SceneGraph, jacobian: Entries, shared: Sequence[SharedRows], strategy: Strategy
 ) -> tuple[Kernel, int] | None:
-    """The kernel of multipliers that exert no force, and how many; None of a large machine,
-    or one in space.
+    """The kernel of multipliers that exert no force, and how many; None of a large machine.
 
-    What a joint leaves out is a sum d of its rows in `jacobian`, Φ_q as stated, that the others
-    imply: their multipliers balance the forces -dᵀ, and nothing moves.
+    And of one in space, whose columns are those of motion. What a joint leaves out is a sum d of
+    its rows in `jacobian`, Φ_q as stated, that the others imply: their multipliers balance the
+    forces -dᵀ, and nothing moves.
     """
     graph, n, m = scene.graph, scene.n, len(scene.row_names)
     left_out = [row for joint in shared for row in _left_out(scene, joint)]
