@@ -13,7 +13,7 @@ MOST = {
     "heavy_top": (heavy_top, 175, 360),
     "slider_crank_2": (lambda: slider_crank(False), 460, 730),
     "slider_crank_1": (lambda: slider_crank(True), 1030, 2000),
-    "bricard": (bricard, 4250, 5300),
+    "bricard": (bricard, 4100, 7900),
 }
 """Machine → the most operations of `accelerations`, with all multipliers, and of `correction`."""
 
