@@ -91,11 +91,7 @@ def _integrals(
 
 @cache
 def _segment(bulge: float) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
-    """Between an arc and its chord of length 1: area, moment and polar moment about its middle.
-
-    The moment is that of the distance from the chord to its right; it is the same where the arc
-    lies to the left and takes the segment away.
-    """
+    """Between arc and chord of length 1: area, moment right of the chord, polar moment (middle)."""
     b = sympy.S.One if abs(bulge) == 1 else sympy.Float(abs(bulge), DIGITS)
     radius, angle = (1 + b**2) / (4 * b), 4 * sympy.atan(b)
     height = (1 - b**2) / (4 * b)  # of the chord above the centre, negative behind it

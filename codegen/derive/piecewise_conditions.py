@@ -148,10 +148,7 @@ Taken = set[tuple[sympy.Basic, sympy.Basic]]
 
 
 def _by_branches(may_switch: bool, outside: Taken, relation: Relational) -> Boolean:
-    """A condition by the branches of its tables; of a continuous one that acts, the table itself.
-
-    Not by SymPy, which solves a Piecewise inside a condition.
-    """
+    """A condition by its tables' branches, unlike SymPy's; a continuous one that acts by itself."""
     found = sorted(relation.atoms(Interpolant), key=lambda i: len(i.atoms(Interpolant)))
     for node in found:
         data, order, at = node.args

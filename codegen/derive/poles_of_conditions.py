@@ -105,11 +105,7 @@ def _with_inverse(g: sympy.Expr) -> sympy.Expr:
 
 
 def _has_pole(node: sympy.Basic) -> bool:
-    """Whether a sum, a product or a power may become infinite as something moves.
-
-    So may exp and its like of that. Broken powers of lengths, as of x² + y², do not count: their
-    rates stay finite.
-    """
+    """Whether a sum, product, power or exp may become infinite; lengths' broken powers may not."""
     if isinstance(node, _EXPONENTIALS):
         return _has_pole(node.args[0])
     if isinstance(node, sympy.Pow) and node.exp.is_number and _moves(node.base):

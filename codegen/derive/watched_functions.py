@@ -362,10 +362,7 @@ def _is_linear(expression: sympy.Expr) -> bool:
 
 
 def _is_of_position(node: sympy.Basic) -> bool:
-    """Whether an expression has coordinates, among them one, the time and parameters in it alone.
-
-    Tables have their knots, and jumps their events.
-    """
+    """Whether an expression is of one coordinate or more, t and parameters alone, not of tables."""
     known = (Coordinate, Time, Parameter)
     if not all(isinstance(s, known) for s in node.free_symbols):
         return False

@@ -86,10 +86,7 @@ def _rows(graph: Graph, root: int) -> tuple[Row, ...]:
 
 
 def _watched(graph: Graph, needed: list[int]) -> list[int]:
-    """The values among `needed` that may bend sharply between two steps.
-
-    Of sums and products it is enough to look at those of what is not smooth itself.
-    """
+    """The values among `needed` that may bend sharply between two steps, not being smooth."""
     bent, watched = set[int](), []
     for k in needed:
         value = graph.values[k]

@@ -262,10 +262,7 @@ class SceneGraph:
             raise ModelError(f"{where}: {problem}" for problem in error.problems) from error
 
     def _ground(self) -> None:
-        """Add the force on the ground, and its moment about the origin, in global axes.
-
-        What connects bodies to each other adds nothing to the sums over all bodies.
-        """
+        """Add the force on the ground, and its moment about the origin, as sums over all bodies."""
         graph, total, equations = self.graph, self.of_ground, self.equations
         fx = fy = torque = graph.zero
         with graph.serving("ground"):
@@ -288,11 +285,7 @@ class SceneGraph:
             self.reactions.append(Reaction("ground", part, unit, value, ("shaking",)))
 
     def _apply_forces(self, terms: EffectTerms, energy: int, on_ground: bool) -> int:
-        """Add all forces of an effect to `forces`; the power of those without a potential.
-
-        Those of the potential and those along scalars are gathered in one walk back: a spring and
-        the damper parallel to it pull along one line.
-        """
+        """Add all forces of an effect, in one walk back; the power of those without a potential."""
         graph = self.graph
         weights = {energy: graph.constant(-1.0)}
         power = graph.zero

@@ -57,10 +57,7 @@ def processor() -> tuple[str, str]:
 
 @cache
 def _surroundings() -> bytes:
-    """All but the sources on which machine code depends, this package included.
-
-    Neither does it depend on where code is kept, nor on how many threads of numba's there are.
-    """
+    """All but the sources on which machine code depends: not its folder, nor numba's threads."""
     here = sorted(Path(__file__).parent.glob("*.py"))
     settings = sorted(
         item for item in os.environ.items()

@@ -193,11 +193,7 @@ def _count_of_results(tree: ast.FunctionDef) -> int:
 
 
 def _stands_in_places(counter: str, body: list[ast.stmt]) -> bool:
-    """Whether a counter is in places of arrays only.
-
-    A place is a sum with whole numbers that have a sign: there it makes no difference that numba
-    counts in numbers without sign from an entry without sign.
-    """
+    """Whether a counter is in places of arrays only, where a sign makes no difference to numba."""
     nodes = {node for statement in body for node in ast.walk(statement)}
     places = [node.slice for node in nodes if isinstance(node, ast.Subscript)]
     within = {node for place in places for node in ast.walk(place)}

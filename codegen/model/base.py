@@ -210,10 +210,7 @@ class Declarations:
         return element
 
     def _put(self, kind: str, table: dict[str, Any], name: Any, declared: Any) -> None:
-        """Put what is declared into its table, also where another kind has its name.
-
-        What refers to something of a wrong name is no mistake of its own.
-        """
+        """Put what is declared into its table, also under a wrong name, which others may use."""
         if self._claim(kind, name):
             table[name] = declared
         elif isinstance(name, str):

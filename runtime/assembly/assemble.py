@@ -216,11 +216,7 @@ def _report(
 def _start_on_branch(
     task: Task, q: FloatArray, v: FloatArray, fixed_v: np.ndarray[tuple[int], np.dtype[np.bool_]]
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Position and velocity on the branch of (q, v), where that is close to a singular position.
-
-    The coordinates that are not free in `task` keep their values, and the velocities in `fixed_v`
-    theirs. None where the start is not so near, or where no branch has these values.
-    """
+    """Position and velocity on a branch near (q, v) at a singular position, held ones kept."""
     equations = task.equations
     if not equations.m or not v.any() or equations.m >= equations.n:
         return None
@@ -274,10 +270,7 @@ def _start_on_branch(
 
 
 def _least_singular_value(task: Task, q: FloatArray) -> float:
-    """The smallest singular value of Φ_q, columns scaled, rows of unit length; 1 for an empty row.
-
-    That of a large machine is by iteration, where it is clearly no small one.
-    """
+    """The least singular value of Φ_q, columns scaled, rows of unit length; 1 for an empty row."""
     if is_clearly_independent(task, q):
         return 1.0
     matrix = task.equations.jacobian(task.t, q) * task.scale

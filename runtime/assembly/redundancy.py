@@ -158,10 +158,7 @@ def dependent_joints(task: Task, q: FloatArray, drivers: BoolArray) -> list[Depe
 def _fewest(
     task: Task, order: list[int], here: list[Dependency], others: list[FloatArray]
 ) -> list[Dependency]:
-    """The fewest dependencies at any position: those `here`, and at the `others`.
-
-    A position at which the Jacobian is not finite says nothing.
-    """
+    """The fewest dependencies of those `here` and at `others` where the Jacobian is finite."""
     matrices = [_scaled(task, q) for q in others]
     defined = [matrix for matrix in matrices if np.isfinite(matrix).all()]
     return min([here, *(dependent_rows(matrix, order) for matrix in defined)], key=len)

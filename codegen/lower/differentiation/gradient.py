@@ -91,11 +91,7 @@ class Slopes:
         return any(graph.values[k].op in BREAKING and not graph.settled[k] for k in inside)
 
     def _choice_slopes(self, number: int) -> dict[int, int]:
-        """Slopes of a choice, each of the side that holds.
-
-        A weight of zero for the other side would not do: zero times nan, which is the slope of
-        δ^1.5 without contact, is nan.
-        """
+        """Slopes of a choice, of the side that holds: zero times the other's nan would be nan."""
         graph = self.graph
         condition, *sides = graph.values[number].args
         yes, no = (self.gradient({side: graph.one}) for side in sides)

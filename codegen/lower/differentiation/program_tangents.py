@@ -217,10 +217,7 @@ def tangent_program(program: Program) -> Program:
 
 
 def _tangent_kernel(graph: Graph, kernel: Kernel) -> Kernel:
-    """The kernel of the derivatives of a kernel's outputs along given directions (`TANGENTS`).
-
-    A tangent has the name of its value with ``d_`` before it, and stands in the same step.
-    """
+    """The kernel of derivatives of a kernel's outputs along directions (`TANGENTS`), named d_x."""
     summary, arguments, directions, arrays = TANGENTS[kernel.name]
     seeds = {}
     for number, value in enumerate(tuple(graph.values)):
