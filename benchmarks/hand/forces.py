@@ -232,15 +232,15 @@ def generalized(t, q, v, p, modes, Q):
 
 @force
 def mass_flow(t, q, v, p, modes, Q):
-    """2 kg/s come to a particle, the third body, with the velocity (1, -3) m/s."""
+    """Matter comes to a particle, the third body, with the velocity (1, -3) m/s."""
     Q[0] = 0.0
     Q[1] = 0.0
     Q[2] = 0.0
     Q[3] = 0.0
     Q[4] = 0.0
     Q[5] = 0.0
-    Q[6] = 2.0 * (1.0 - v[6])
-    Q[7] = 2.0 * (-3.0 - v[7])
+    Q[6] = v[8] * (1.0 - v[6])
+    Q[7] = v[8] * (-3.0 - v[7])
     Q[8] = 0.0
 
 
