@@ -173,11 +173,15 @@ class Kernels:
     free_multipliers(t, q, p, out)
         Multipliers that exert no force, Φ_qᵀ λ = 0, `description.free` vectors one after the other,
         (m,) each; entries that are always 0 are not written.
-    independent_constraints, independent_jacobian, independent_velocity_rhs,
-    independent_acceleration_rhs
-        As those above of a scene in which constraints follow from others, with independent rows in
-        their place, and 0 in the places `description.redundant`. Non-zeros are at
-        `description.independent_jacobian_rows`, `description.independent_jacobian_columns`.
+    independent_constraints(t, q, p, phi)
+        Φ of a scene in which constraints follow from others: independent rows in the place of all,
+        and 0 in the places `description.redundant`, (m,); so the three below.
+    independent_jacobian(t, q, p, values)
+        Non-zeros at `description.independent_jacobian_rows` and `.independent_jacobian_columns`.
+    independent_velocity_rhs(t, q, p, nu)
+        ν, (m,).
+    independent_acceleration_rhs(t, q, v, p, gamma)
+        γ, (m,).
     """
 
     constants: Kernel = _kernel("constants", "p", _skip_1)

@@ -158,7 +158,7 @@ def test_bare_name_means_the_models_here_first(
 def test_stages_are_announced_and_timed(model: Path, tmp_path: Path) -> None:
     lines: list[str] = []
     report = build(model, scene="swing", out=tmp_path / "generated", progress=lines.append)
-    stages = ["read", "derive", "lower", "examine", "emit", "compile"]
+    stages = ["read", "derive", "examine", "lower", "emit", "compile"]
     (scene,) = report.scenes
     assert list(scene.seconds) == stages
     assert all(seconds >= 0 for seconds in scene.seconds.values())

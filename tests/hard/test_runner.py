@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import typer
 
+from codegen.errors import AnalysisError
 from models.hard.__main__ import main, tolerances
 from models.hard.cases import CASES, GROUPS, find
 from models.hard.suite.case import Array, Case, Reference
@@ -17,6 +18,7 @@ from models.hard.suite.page import markdown
 from models.hard.suite.worker import Worker
 from runtime import Result
 from runtime.integrate.method import REGISTER
+from runtime.machine_facade import Machine
 
 SETTING = Setting(COMPARED, "step")
 ONE = find("one_step")
@@ -82,13 +84,18 @@ def test_what_cannot_be_told_is_not_called_correct() -> None:
     assert cell_of(replace(ONE, reference=lambda: far)).verdict is Verdict.BEYOND
 
 
-def test_a_refusal_says_why_and_is_fine_where_it_is_expected() -> None:
-    case = find("parallel_linkage")
-    cell = run(case, Setting("bdf", "step"), 1e-6)
+def test_a_refusal_says_why_and_is_fine_where_it_is_expected(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise AnalysisError("bdf cannot do this")
+
+    monkeypatch.setattr(Machine, "simulate", refuse)
+    cell = run(replace(ONE, ends=("OK", "REFUSED")), SETTING, 1e-6)
     assert cell.verdict is Verdict.EXPECTED
     assert (cell.outcome, cell.note, cell.steps) == ("REFUSED", "", 0)
-    assert "B3.y follow from others" in cell.message
-    other = run(replace(case, ends=("OK",)), Setting("bdf", "step"), 1e-6)
+    assert cell.message == "bdf cannot do this"
+    other = run(ONE, SETTING, 1e-6)
     assert other.verdict is Verdict.STOPPED
     assert other.note == other.message
 

@@ -4,6 +4,7 @@ import inspect
 import re
 import runpy
 import sys
+from importlib import import_module
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -31,9 +32,16 @@ def test_every_public_name_is_documented() -> None:
     assert not set(linkwright.__all__) - written
 
 
+# what methods return, of which users need the attributes and not the name
+RETURNED = {
+    "AssemblyModes": "runtime.assembly.assembly_modes",
+    "MotionLimits": "runtime.continuation.motion_limits",
+}
+
+
 def test_every_documented_name_is_there() -> None:
     for name in documented():
-        value: object = linkwright
+        value: object = import_module(RETURNED[name]) if name in RETURNED else linkwright
         for part in name.split("."):
             value = getattr(value, part)
 
@@ -41,8 +49,18 @@ def test_every_documented_name_is_there() -> None:
 def test_every_way_to_declare_something_is_documented() -> None:
     """What a method of `Model` returns to the compiler alone is listed here, by name."""
     internal = {
-        *("acting", "altered", "choice", "defaults", "effects_alone", "elements", "kind", "labels"),
-        *("misfits", "place_of", "points", "problems", "recompose", "reconnected", "symbols"),
+        *("acting", "altered", "choice", "defaults", "effects_alone", "elements", "in_space"),
+        *(
+            "kind",
+            "labels",
+            "misfits",
+            "place_of",
+            "points",
+            "problems",
+            "recompose",
+            "reconnected",
+            "symbols",
+        ),
         *("together", "varied", "unit_of", "watched"),
     }
     methods = {name for name in dir(linkwright.Model) if not name.startswith("_")}
