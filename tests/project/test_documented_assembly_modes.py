@@ -1,25 +1,20 @@
 """The examples of docs/how-to/assembly-modes.md, as written, against independent solutions."""
 
-import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from tests.documented import run_cells
 from tests.runtime import linkages
 
 
 @pytest.fixture(scope="module")
 def documented(root: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """Everything that the page's code defines; its own comparisons are made on the way."""
-    page = (root / "docs" / "how-to" / "assembly-modes.md").read_text(encoding="utf-8")
-    names: dict[str, Any] = {"__name__": "documented_modes"}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(tmp_path_factory.mktemp("modes"))
-        for block in re.findall(r"```\{code-cell\} python\n(.*?)```", page, re.DOTALL):
-            exec(block, names)
-    return names
+    """Everything that the page's code defines."""
+    page = root / "docs" / "how-to" / "assembly-modes.md"
+    return run_cells(page, tmp_path_factory.mktemp("modes"))
 
 
 def test_linkages_are_those_with_known_modes(documented: dict[str, Any]) -> None:

@@ -1,6 +1,5 @@
 """The examples of docs/how-to/control-and-connections.md, run as they stand there."""
 
-import re
 from pathlib import Path
 from typing import Any
 
@@ -8,17 +7,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from tests.documented import run_cells
+
 
 @pytest.fixture(scope="module")
 def shown(root: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """Everything that the page's code defines."""
-    text = (root / "docs" / "how-to" / "control-and-connections.md").read_text(encoding="utf-8")
-    names: dict[str, Any] = {"__name__": "documented_control"}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(tmp_path_factory.mktemp("control"))
-        for block in re.findall(r"```\{code-cell\} python\n(.*?)```", text, re.DOTALL):
-            exec(block, names)
-    return names
+    page = root / "docs" / "how-to" / "control-and-connections.md"
+    return run_cells(page, tmp_path_factory.mktemp("control"))
 
 
 def test_motor(shown: dict[str, Any]) -> None:

@@ -9,16 +9,14 @@ import pytest
 from numpy.testing import assert_allclose
 
 from runtime import load
+from tests.documented import run_cells
 
 
 @pytest.fixture(scope="module")
-def documented(root: Path) -> dict[str, Any]:
+def documented(root: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """Everything that the page's code defines."""
-    text = (root / "docs" / "explanation" / "effects.md").read_text(encoding="utf-8")
-    names: dict[str, Any] = {"__name__": "documented_effects"}
-    for block in re.findall(r"```\{code-cell\} python\n(.*?)```", text, re.DOTALL):
-        exec(block, names)
-    return names
+    page = root / "docs" / "explanation" / "effects.md"
+    return run_cells(page, tmp_path_factory.mktemp("effects"))
 
 
 def test_ball_falls_with_drag(documented: dict[str, Any], tmp_path: Path) -> None:

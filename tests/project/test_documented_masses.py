@@ -1,18 +1,12 @@
 """The examples of docs/how-to/masses-that-vary.md, run as they stand there."""
 
-import re
 from pathlib import Path
-from typing import Any
 
-import pytest
+from tests.documented import cells, run_cells
 
 
-def test_masses_that_vary(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_masses_that_vary(root: Path, tmp_path: Path) -> None:
     """The page compares each of its machines with a closed form."""
-    text = (root / "docs" / "how-to" / "masses-that-vary.md").read_text(encoding="utf-8")
-    cells = re.findall(r"```\{code-cell\} ipython3\n(.*?)```", text, re.DOTALL)
-    names: dict[str, Any] = {"__name__": "documented_masses"}
-    monkeypatch.chdir(tmp_path)
-    for cell in cells:
-        exec(re.sub(r"^run\.plot.*$", "", cell, flags=re.MULTILINE), names)
-    assert sum(cell.count("assert ") for cell in cells) == 6
+    page = root / "docs" / "how-to" / "masses-that-vary.md"
+    run_cells(page, tmp_path)
+    assert sum(cell.count("assert ") for cell in cells(page)) == 6

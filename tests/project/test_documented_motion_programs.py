@@ -9,32 +9,24 @@ import numpy as np
 import pytest
 
 from codegen.tables.motion_laws import SHAPES
+from tests.documented import run_cells
 
 
 @pytest.fixture(scope="module")
-def page(root: Path) -> str:
-    return (root / "docs" / "how-to" / "motion-programs.md").read_text(encoding="utf-8")
+def page(root: Path) -> Path:
+    return root / "docs" / "how-to" / "motion-programs.md"
 
 
 @pytest.fixture(scope="module")
-def documented(page: str, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """Everything that the page's code defines, and its last undercut."""
-    pyplot = pytest.importorskip("matplotlib.pyplot")
-    names: dict[str, Any] = {"__name__": "documented_programs"}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(tmp_path_factory.mktemp("programs"))
-        for block in re.findall(r"```\{code-cell\} python\n(.*?)```", page, re.DOTALL):
-            *_, last = block.strip().splitlines()
-            exec(block, names)
-            if last.endswith(".undercut()"):
-                names["undercut"] = eval(last, names)
-    pyplot.close("all")
-    return names
+def documented(page: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """Everything that the page's code defines."""
+    return run_cells(page, tmp_path_factory.mktemp("programs"))
 
 
 def test_follower_stays_on_its_cam(documented: dict[str, Any]) -> None:
     assert 0.0 < documented["force"].min() < documented["force"].max()
-    assert re.match(r"the cam is undercut at its angle (31|48)\.", documented["undercut"])
+    undercut = next(text for text in documented["shown"] if "undercut" in str(text))
+    assert re.match(r"the cam is undercut at its angle (31|48)\.", undercut)
 
 
 def test_drawing_is_the_cams(documented: dict[str, Any]) -> None:
@@ -44,8 +36,9 @@ def test_drawing_is_the_cams(documented: dict[str, Any]) -> None:
     assert documented["move"].length == pytest.approx(0.2 + 0.9 + 0.1 + 0.85)
 
 
-def test_table_of_laws_is_true(page: str, documented: dict[str, Any]) -> None:
-    rows = re.findall(r"^\| `\"(.+)\"` \| ([\d.]+) \| ([\d.]+) \|", page, re.MULTILINE)
+def test_table_of_laws_is_true(page: Path, documented: dict[str, Any]) -> None:
+    text = page.read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `\"(.+)\"` \| ([\d.]+) \| ([\d.]+) \|", text, re.MULTILINE)
     assert [name for name, *_ in rows] == [*SHAPES]
     at = np.linspace(1e-9, pi - 1e-9, 4001)
     for name, *told in rows:

@@ -1,6 +1,5 @@
 """The examples of docs/how-to/outputs.md, as written, against closed forms."""
 
-import re
 from pathlib import Path
 from typing import Any
 
@@ -8,19 +7,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from tests.documented import run_cells
+
 
 @pytest.fixture(scope="module")
 def documented(root: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """Everything that the page's code defines."""
-    pyplot = pytest.importorskip("matplotlib.pyplot")
-    page = (root / "docs" / "how-to" / "outputs.md").read_text(encoding="utf-8")
-    names: dict[str, Any] = {"__name__": "documented_outputs"}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(tmp_path_factory.mktemp("outputs"))
-        for block in re.findall(r"```\{code-cell\} python\n(.*?)```", page, re.DOTALL):
-            exec(block, names)
-    pyplot.close("all")
-    return names
+    page = root / "docs" / "how-to" / "outputs.md"
+    return run_cells(page, tmp_path_factory.mktemp("outputs"))
 
 
 def test_accelerations_and_reactions_are_in_global_axes(documented: dict[str, Any]) -> None:

@@ -1,6 +1,5 @@
 """The example of docs/how-to/space.md, run as it stands there, against a planar calculation."""
 
-import re
 from pathlib import Path
 from typing import Any
 
@@ -8,19 +7,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from tests.documented import run_cells
+
 
 @pytest.fixture(scope="module")
 def shown(root: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """Everything that the page's code defines."""
-    pyplot = pytest.importorskip("matplotlib.pyplot")
-    text = (root / "docs" / "how-to" / "space.md").read_text(encoding="utf-8")
-    names: dict[str, Any] = {"__name__": "documented_space"}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(tmp_path_factory.mktemp("space"))
-        for block in re.findall(r"```\{code-cell\} ipython3\n(.*?)```", text, re.DOTALL):
-            exec(block, names)
-    pyplot.close("all")
-    return names
+    page = root / "docs" / "how-to" / "space.md"
+    return run_cells(page, tmp_path_factory.mktemp("space"))
 
 
 def test_the_slider_crank(shown: dict[str, Any]) -> None:
