@@ -74,7 +74,7 @@ class CamProfile(Curve):
 
 @declaring("roller_cam")
 def roller_cam(
-    cam: Body, lift: Any, base_radius: Any, roller_radius: Any, offset: Any = 0,
+    cam: Any, lift: Any, base_radius: Any, roller_radius: Any, offset: Any = 0,
     clockwise: bool = False, arm: Any = None, pivot: Any = None, arm_clockwise: bool = False,
 ) -> CamProfile:  # fmt: skip
     """The profile that moves a roller along a straight line, or swings it on an arm.
@@ -98,6 +98,8 @@ def roller_cam(
     """
     read, slides = Reader(), arm is None and pivot is None
     base, rise_by = _length(read, base_radius, "base_radius"), _lift(read, lift, slides)
+    if not isinstance(cam, Body):
+        read.note(f"cam is {shown(cam)}; give a body.")
     roller, e = _length(read, roller_radius, "roller_radius"), read.value(offset, "m", "offset")
     if slides:
         within = e / (base + roller)
@@ -130,11 +132,13 @@ def roller_cam(
 
 @declaring("flat_faced_cam")
 def flat_faced_cam(
-    cam: Body, lift: Any, base_radius: Any, clockwise: bool = False
+    cam: Any, lift: Any, base_radius: Any, clockwise: bool = False
 ) -> CamProfile:  # fmt: skip
     """The profile that moves a flat face, which is parallel to x, along y; see `roller_cam`."""
     read, way = Reader(), -1 if clockwise else 1
     base, rise = _length(read, base_radius, "base_radius"), _lift(read, lift)
+    if not isinstance(cam, Body):
+        read.note(f"cam is {shown(cam)}; give a body.")
     if read.problems:
         raise ModelError([f"flat_faced_cam: {problem}" for problem in read.problems])
     contact = sympy.Matrix([way * rise.diff(alpha), base + rise])

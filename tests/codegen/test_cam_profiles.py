@@ -266,3 +266,12 @@ def test_open_paths_and_mistakes(tmp_path: Path) -> None:
     for kind in ("svg", "dxf"):
         with pytest.raises(InputError, match="cannot write"):
             write_path(tmp_path / "absent" / f"path.{kind}", path)
+
+
+def test_a_cam_is_a_body() -> None:
+    for cam, make in (
+        ("cam", lambda one: roller_cam(one, LIFTS, BASE, ROLLER)),
+        (None, lambda one: flat_faced_cam(one, LIFTS, BASE)),
+    ):
+        with pytest.raises(ModelError, match=f"_cam: cam is {cam!r}; give a body"):
+            make(cam)
