@@ -1,4 +1,4 @@
-"""Linkwright, a compiler for planar mechanisms, under one name.
+"""Linkwright, a compiler for mechanisms, under one name.
 
     import linkwright as lw
 

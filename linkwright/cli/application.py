@@ -85,4 +85,4 @@ def about(
         ),
     ] = False,
 ) -> None:
-    """A compiler for planar mechanisms: declare a machine, compile it, analyse it."""
+    """A compiler for mechanisms in the plane and in space: declare, compile, analyse a machine."""

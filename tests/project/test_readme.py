@@ -51,7 +51,7 @@ def test_there_are_commands_to_look_at() -> None:
 def test_readme_answers_the_first_questions() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     first, _, rest = text.partition("## Two commands")
-    assert "compiler for planar mechanisms" in first
+    assert "compiler for mechanisms in the plane" in first
     before, _, _ = rest.partition("## A machine in a page")
     assert "source .venv/bin/activate" in before
     assert "first simulation compiles the runtime, once" in before
