@@ -36,11 +36,14 @@ if TYPE_CHECKING:
         JointReaction,
         Measure,
         Statement,
+        WrenchReaction,
     )
     from codegen.declare.motion_program import MotionProgram, fourier_series, motion_program
     from codegen.declare.outline_files import read_outline, write_path
     from codegen.declare.outlines import Outline, bar, disc, polygon, rectangle
     from codegen.declare.scene import Scene
+    from codegen.declare.space_body import SpaceBody, SpacePoint
+    from codegen.declare.space_frame import SpaceFrame
     from codegen.declare.symbols import SPEED, Coordinate, alpha, coordinate, given, t
     from codegen.driver import build
     from codegen.elements.registry import element
@@ -61,9 +64,11 @@ _ROOMS = {
     "codegen.declare.outlines": ("Outline", "bar", "disc", "polygon", "rectangle"),
     "codegen.declare.element": (
         *("ConjugateReaction", "Constraint", "Effect", "I", "J", "JointReaction", "Measure"),
-        "Statement",
+        *("Statement", "WrenchReaction"),
     ),
     "codegen.declare.scene": ("Scene",),
+    "codegen.declare.space_body": ("SpaceBody", "SpacePoint"),
+    "codegen.declare.space_frame": ("SpaceFrame",),
     "codegen.declare.symbols": ("SPEED", "Coordinate", "alpha", "coordinate", "given", "t"),
     "codegen.generated_files.generated_file": ("BuildReport",),
     "codegen.driver": ("build",),
@@ -78,7 +83,8 @@ __all__ += ["Constraint", "Coordinate", "Curve", "Effect", "GeneratedFileError",
 __all__ += ["J", "JointReaction", "LinkwrightError", "Model", "ModelError", "ModelFileError"]
 __all__ += ["SPEED", "NoAttributeError", "Outline", "ParameterError", "Point", "RedundancyError"]
 __all__ += ["Measure", "Scene", "SceneEquations", "SceneError", "Statement", "SupersededError"]
-__all__ += ["TableWarning", "UnknownNameError"]
+__all__ += ["SpaceBody", "SpaceFrame", "SpacePoint", "TableWarning", "UnknownNameError"]
+__all__ += ["WrenchReaction"]
 __all__ += ["__version__", "alpha", "bar", "build", "coordinate", "disc", "element", "given"]
 __all__ += ["polygon", "read_outline", "rectangle", "t"]
 __all__ += ["CamProfile", "MotionProgram", "flat_faced_cam", "fourier_series", "motion_program"]

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
-from codegen.declare.symbols import Multiplier, Parameter
+from codegen.declare.space_body import matrix_g
+from codegen.declare.symbols import Multiplier, Parameter, QuasiCoordinate
 from codegen.derive.constraint_terms import statement_terms
 from codegen.derive.equations import Equations, derive
 from codegen.latex import latex
@@ -112,9 +113,14 @@ def _forces(
 ) -> Iterator[tuple[int, sympy.Expr]]:  # fmt: skip
     """(column, Q) of each effect; a friction has the reaction of its joint, in multipliers."""
     joints = {one.name: one for one in found.constraints}
+    ways = {q: {k: sympy.S.One} for q, k in columns.items()}
+    for body in found.turning:  # of torques n', Q_p = 2 Gᵀ n'
+        for axis, row in zip("xyz", matrix_g(body.p).tolist(), strict=True):
+            shares = {columns[e]: 2 * g for e, g in zip(body.p, row, strict=True)}
+            ways[QuasiCoordinate(f"{body.name}_turn{axis}", real=True)] = shares
     for terms in (effect.terms for effect in found.effects):
         yield from ((columns[q], -slope) for q, slope in terms.gradient)
-        yield from ((columns[q], push) for q, push in terms.forces)
+        yield from ((k, share * push) for q, push in terms.forces for k, share in ways[q].items())
         if (rubs := terms.friction) is None:
             continue
         joint = joints[rubs.joint]

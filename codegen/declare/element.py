@@ -10,6 +10,7 @@ from typing import ClassVar, NamedTuple, Protocol, runtime_checkable
 import sympy
 
 from codegen.declare.body import Bodies, Body, Curve, Loads, Point, Pose
+from codegen.declare.space_body import SpacePoint
 from codegen.declare.space_frame import SpaceFrame
 from codegen.declare.symbols import Coordinate, Velocity, coordinate, given, kinds, rate
 from codegen.errors import ModelError
@@ -41,15 +42,7 @@ class Frame(Pose):
         """Placeholder for a point s' of the body, 2 × 1."""
         return sympy.ImmutableMatrix([given(f"{self.name}_sx"), given(f"{self.name}_sy")])
 
-    @cached_property
-    def arm(self) -> sympy.ImmutableMatrix:
-        """From the origin to the point, in global axes: A s'."""
-        return self.A * self.s
-
-    @cached_property
-    def point(self) -> sympy.ImmutableMatrix:
-        """Global position of the point: r + A s'."""
-        return self.r + self.arm
+    arm, point = SpaceFrame.arm, SpaceFrame.point
 
     def bind(self, point: Point) -> dict[sympy.Symbol, sympy.Expr]:
         """Placeholders of this frame → their values for a point of a body in a model."""
@@ -58,6 +51,8 @@ class Frame(Pose):
             raise ModelError(
                 f"frame.bind({shown(point)}): give a point of a body, as body.at(0, 0)."
             )
+        if isinstance(place, SpacePoint):
+            raise ModelError(f"frame.bind({shown(point)}): bind a point in space in a SpaceFrame.")
         body, sx, sy = point.body, given(f"{self.name}_sx"), given(f"{self.name}_sy")
         bindings = {self.x: body.position[0], self.y: body.position[1]}
         if body.angle is None:  # a statement that asks for the angle itself is refused

@@ -57,6 +57,10 @@ class _Entry(sympy.Function):  # type: ignore[misc]
         owner = str(self.args[self.axes]).rpartition("_")[0]
         return f"{owner}_{self.symbol}{''.join(AXES[int(k)] for k in self.args[: self.axes])}"
 
+    def _latex(self, printer: Any, exp: str = "") -> str:
+        name = rf"\mathtt{{{str(self).replace('_', chr(92) + '_')}}}"
+        return rf"{{{name}}}^{{{exp}}}" if exp else name
+
 
 class RotationEntry(_Entry):
     """A_ik(e0, e1, e2, e3), of arguments i, k, e0, e1, e2, e3."""

@@ -31,7 +31,7 @@ UPRIGHT = (1.0, 0.0, 0.0, 0.0)  # formula: its Euler parameters, by default
 
 @named_attributes
 @declaring_class("body")
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SpaceBody(Body):
     """A rigid body in space; its frame x'-y'-z' has its origin at the centre of mass.
 
@@ -163,7 +163,7 @@ class SpaceGround(SpaceBody):
 
 @named_attributes
 @declaring_class("Point")
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SpacePoint(Point):
     """A point of a body in space, at (sx, sy, sz) of the body's frame, in metres.
 

@@ -2,12 +2,15 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import sympy
 
 from codegen.declare.rotation_entries import rotation_matrix
 from codegen.declare.space_body import SpaceBody, SpacePoint
 from codegen.declare.symbols import Coordinate, coordinate, given
+from codegen.errors import ModelError
+from codegen.readers.values import shown
 
 
 @dataclass(frozen=True)
@@ -37,12 +40,12 @@ class SpaceFrame:
         return self._given("s")
 
     @cached_property
-    def arm(self) -> sympy.ImmutableMatrix:
-        """From the centre of mass to the point, in global axes: A s'."""
+    def arm(self: Any) -> sympy.ImmutableMatrix:
+        """From the frame's origin to the point, in global axes: A s'."""
         return self.A * self.s
 
     @cached_property
-    def point(self) -> sympy.ImmutableMatrix:
+    def point(self: Any) -> sympy.ImmutableMatrix:
         """Global position of the point: r + A s'."""
         return self.r + self.arm
 
@@ -57,14 +60,13 @@ class SpaceFrame:
         self, point: SpacePoint, **vectors: tuple[sympy.Expr, ...]
     ) -> dict[sympy.Symbol, sympy.Expr]:
         """Placeholders → their values for a point of a body, and its vectors by letter."""
-        bindings = self.bind_body(point.body)
+        body = point.body
+        if not isinstance(body, SpaceBody):
+            raise ModelError(f"SpaceFrame.bind: {shown(body)} is no body of a machine in space.")
+        bindings = dict(zip((*self.r, *self.p), (*body.position, *body.p), strict=True))
         for letter, components in {"s": point.place, **vectors}.items():
             bindings |= dict(zip(self._given(letter), components, strict=True))
         return bindings
-
-    def bind_body(self, body: SpaceBody) -> dict[sympy.Symbol, sympy.Expr]:
-        """Placeholders of the coordinates → those of a body."""
-        return dict(zip((*self.r, *self.p), (*body.position, *body.p), strict=True))
 
 
 I, J = SpaceFrame("i"), SpaceFrame("j")  # noqa: E741 (the two bodies of a joint)

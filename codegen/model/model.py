@@ -11,6 +11,7 @@ from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect, label
 from codegen.declare.returned_values import check_parts, named
 from codegen.declare.scene import Scene
+from codegen.declare.space_body import SpaceBody
 from codegen.elements.registry import ACTIONS
 from codegen.errors import ModelError, NoAttributeError
 from codegen.model.base import Declared
@@ -184,6 +185,9 @@ class Model(Values, Scenes, Forces, Contacts):
                 f"model.add({shown(element)}): neither a Body, a Constraint nor an Effect; it "
                 "needs kind, name, bodies, problems(), and statement() or potential() and forces()."
             )
+            return element
+        if isinstance(candidate, Body) and isinstance(candidate, SpaceBody) is not self.in_space:
+            self._note(f"{label(element)}: the bodies of a model are all in the plane or in space.")
             return element
         kind: Any = type(element)
         own = (a for a in ACTIONS if getattr(kind, a, None) is not getattr(Effect, a, None))

@@ -259,6 +259,8 @@ class SceneRequests(MovingBodies, Connections, ExpressionOutputs):
 
     def _output_problem(self, given: Any) -> str | None:
         word = given if isinstance(given, str) else shown(given)
+        if word == "global_reactions" and self.in_space:
+            return "reactions in space are in global axes; ask for 'reactions'."
         if word in (*GROUPS, "shaking"):
             return None
         match = ONE.match(word)

@@ -331,9 +331,9 @@ ELEMENTS = (
 )
 """What a machine in space may be declared with, in words."""
 REFUSED = (
-    *("absolute", "add", "belt", "bushing", "cam_flat_follower", "cam_follower", "clearance_joint"),
+    *("absolute", "belt", "bushing", "cam_flat_follower", "cam_follower", "clearance_joint"),
     *("contact", "coupler", "curve_through", "distance_driver", "draw_ground"),
-    *("dry_friction", "elastic_belt", "engage", "equations", "friction", "gear"),
+    *("dry_friction", "elastic_belt", "engage", "friction", "gear"),
     *("gear_with_backlash", "mass_flow", "motor", "one_way_clutch", "particle", "point_driver"),
     *("point_follower", "rack_and_pinion", "relative", "relative_driver", "release"),
     *("revolute_revolute", "revolute_translational", "rolling_disc", "rotation_driver", "screw"),

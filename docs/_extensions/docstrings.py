@@ -1,7 +1,8 @@
 """What the docstrings of this project need before napoleon reads them as numpydoc.
 
 ``.. methods:: CLASS`` on a page lists the public methods of a class from which `Model` derives, as
-methods of `Model`: a new one is on the page without a line of its own.
+methods of `Model`: a new one is on the page without a line of its own. A class that derives from
+`Model` has its own name there, and methods that refuse a word are left out.
 """
 
 import re
@@ -44,6 +45,7 @@ def read(_: "Sphinx", what: str, name: str, item: Any, options: Any, lines: list
     lines[:] = [line.replace("|c'|", "``|c'|``") for line in attributes_as_definitions(lines)]
 
 
+INTERNAL = ("unit_of",)  # methods that the compiler alone calls
 METHODS = re.compile(r"^\.\. methods:: (\S+)$", re.MULTILINE)
 
 
@@ -51,9 +53,12 @@ def list_methods(_: "Sphinx", page: str, source: list[str]) -> None:
     """Write out the lists of methods on a page, in place."""
 
     def methods(match: re.Match[str]) -> str:
-        found = ((name, f) for name, f in vars(locate(match[1])).items() if isfunction(f))
-        public = (name for name, _ in found if not name.startswith("_"))
-        return "\n\n".join(f".. automethod:: Model.{name}" for name in public)
+        cls: Any = locate(match[1])
+        found = ((name, f) for name, f in vars(cls).items() if isfunction(f))
+        public = [name for name, f in found if not f"_{f.__doc__}".startswith("_Refused")]
+        owner = cls.__name__ if "Model" in (base.__name__ for base in cls.__mro__) else "Model"
+        names = (name for name in public if not name.startswith("_") and name not in INTERNAL)
+        return "\n\n".join(f".. automethod:: {owner}.{name}" for name in names)
 
     source[0] = METHODS.sub(methods, source[0])
 

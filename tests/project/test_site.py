@@ -13,6 +13,7 @@ import pytest
 import linkwright
 from codegen.files.generated_modules import companion_path
 from codegen.generated_files.companions import COMPANIONS
+from codegen.model.space_model import REFUSED
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 DOCS = ROOT / "docs"
@@ -36,14 +37,22 @@ def test_every_public_name_is_documented() -> None:
 RETURNED = {
     "AssemblyModes": "runtime.assembly.assembly_modes",
     "MotionLimits": "runtime.continuation.motion_limits",
+    "SpaceModel": "codegen.model.space_model",
 }
 
 
 def test_every_documented_name_is_there() -> None:
     for name in documented():
-        value: object = import_module(RETURNED[name]) if name in RETURNED else linkwright
+        home = RETURNED.get(name.partition(".")[0])
+        value: object = linkwright if home is None else import_module(home)
         for part in name.split("."):
             value = getattr(value, part)
+
+
+def test_words_of_space_are_documented_and_refused_ones_are_not() -> None:
+    listed = {name.partition(".")[2] for name in documented() if name.startswith("SpaceModel.")}
+    assert {"body", "spherical", "universal", "weld", "gravity", "torque"} <= listed
+    assert not {*REFUSED, "unit_of"} & listed
 
 
 def test_every_way_to_declare_something_is_documented() -> None:

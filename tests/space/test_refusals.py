@@ -149,6 +149,10 @@ MISTAKES: dict[str, tuple[Callable[[Any], Any], str]] = {
         ),
         "reactions in space are in global axes; ask for 'reaction(S)'.",
     ),
+    "global reactions": (
+        lambda m: m.scene("s", outputs=["global_reactions"]),
+        "scene 's': reactions in space are in global axes; ask for 'reactions'.",
+    ),
     "start": (
         lambda m: m.scene("other", start={"a.omega": 1.0}),
         "scene 'other': 'a.omega' is no coordinate or velocity; did you mean a.omega_z",
