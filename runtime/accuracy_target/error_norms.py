@@ -9,6 +9,7 @@ Test Set for Initial Value Problem Solvers, 2008), with s_j in place of atol/rto
 at instants that are fixed beforehand, not at the steps of a method.
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from operator import attrgetter
@@ -118,6 +119,17 @@ def scales(
     return tuple(map(scale, names, units, largest.tolist()))
 
 
+def with_signs_of(reference: FloatArray, values: FloatArray, names: Sequence[str]) -> FloatArray:
+    """Values, (k, j), with Euler parameters and their rates in the reference's sign: p is -p."""
+    values = values.copy()
+    for body in {name[:-3] for name in names if re.fullmatch(r"\w+\.e[0-3]", name)}:
+        own = [j for j, name in enumerate(names) if re.match(rf"(a\()?{body}\.e[0-3]", name)]
+        p = [j for j in own if names[j][:-1] == f"{body}.e"]
+        opposite = np.sum(values[:, p] * reference[:, p], axis=1) < 0.0
+        values[np.ix_(opposite, own)] *= -1.0
+    return values
+
+
 def scaled_errors(values: FloatArray, reference: FloatArray, scale: FloatArray) -> FloatArray:
     """e_j(t), (k, j); infinite where the run has no finite number, 0 where the reference has none.
 
@@ -133,6 +145,7 @@ def scaled_errors(values: FloatArray, reference: FloatArray, scale: FloatArray) 
 def errors(values: FloatArray, reference: FloatArray, by: Sequence[Scale]) -> Errors:
     """The errors of a run, whose values and reference, (k, j), are at the same instants."""
     size = np.array([scale.value for scale in by])
+    values = with_signs_of(reference, values, [scale.name for scale in by])
     e = scaled_errors(values, reference, size)
     r = np.where(np.isfinite(reference), np.abs(reference), 0.0)
     relative = e * (size + r) / np.maximum(size, r)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from codegen.errors import AnalysisError
-from runtime.accuracy_target.error_norms import scaled_errors
+from runtime.accuracy_target.error_norms import scaled_errors, with_signs_of
 from runtime.accuracy_target.runs import Quantities, Run
 from runtime.core.arrays import EPS
 from runtime.core.outcomes import Outcome
@@ -66,7 +66,8 @@ def difference(
 
     The magnitudes of the wholes that series are parts of, (c,), are those of `Quantities.wholes`.
     """
-    old, new = first[: len(t)], second[: len(t)]
+    new = second[: len(t)]
+    old = with_signs_of(new, first[: len(t)], quantities.names)
     # Reactions are not numbers in a singular configuration, and have a size all the same.
     largest = np.maximum(np.abs(np.where(np.isnan(new), 0.0, new)).max(axis=0, initial=0.0), wholes)
     scales = np.where(np.isnan(quantities.scales), largest, quantities.scales)

@@ -7,7 +7,7 @@ A series has one name of its own, and is found by the calls of a result as well:
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from functools import cached_property
-from itertools import groupby
+from itertools import groupby, product
 from typing import TYPE_CHECKING, NamedTuple
 
 from codegen.errors import InputError, UnknownNameError
@@ -49,14 +49,14 @@ class Series(NamedTuple):
     """A quantity over time: the column of an array that it is."""
 
     name: str  # its own
-    # "coordinate", "velocity", "spin", of ω', "acceleration", "state", "rate of state", "reaction",
-    # "effect", "point", "expression", "energy", "power", "nonconservative power", "work", of
-    # simulations alone; "bookkeeping": the integral of a state, the rate of a sampled value; a
-    # "residual"; or the "mode" or "share" of a condition
+    # "coordinate", "velocity", "spin", of ω', "rotation", of A, "acceleration", "state", "rate of
+    # state", "reaction", "effect", "point", "expression", "energy", "power", "nonconservative
+    # power", "work", of simulations alone; "bookkeeping": the integral of a state, the rate of a
+    # sampled value; a "residual"; or the "mode" or "share" of a condition
     kind: str
-    array: str  # field of `Samples`, or "works", or "spin"
+    array: str  # field of `Samples`, or "works", "spin" or "rotation"
     # of the array, (k, …); of a work that of its power; -1: the sum of all columns; of a spin three
-    # times the column of e0, plus its axis
+    # times the column of e0, plus its axis; of a rotation nine times, plus the place of the entry
     column: int
     unit: str
     element: str  # body, state, joint, driver or effect to which it belongs; empty of energies
@@ -240,6 +240,10 @@ def _motion(description: "Description") -> Found:
     for name, (first, axis) in description.spins.items():
         body = name.rpartition(".")[0]
         yield Series(name, "spin", "spin", 3 * first + axis, "rad/s", body), [("v", name, "")]
+    for body, first in description.turning:
+        for k, (a, b) in enumerate(product("xyz", repeat=2)):
+            name = f"{body}.A{a}{b}"
+            yield Series(name, "rotation", "rotation", 9 * first + k, "1", body), []
     for name, k, unit, _ in description.states:
         yield Series(name, "state", "v", k, unit or "1", name), [("y", name, ""), ("v", name, "")]
     for k, row in table:

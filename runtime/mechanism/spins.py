@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
+UNTURNED = 1e-9  # accuracy: sine of half an angle, below which its axis is rounding
 SPINS = tuple(f"omega_{axis}" for axis in "xyz")
 
 
@@ -26,6 +27,23 @@ def rotation_matrices(p: Array) -> Array:
     outer = matrix_g(p * np.array([1.0, -1.0, -1.0, -1.0]))
     outer[..., 0] *= -1.0
     return np.asarray(outer @ np.swapaxes(matrix_g(p), -1, -2))
+
+
+def axes_and_angles(p: Array) -> tuple[Array, Array]:
+    """Axes, (k, 3), and angles, rad, (k,), of Euler parameters (k, 4), as `axis_angle` says."""
+    p = _steady(np.where(p[:1, :1] < 0.0, -p, p))  # p and -p are one attitude
+    e = p[:, 1:]
+    known = np.flatnonzero(np.linalg.norm(e, axis=1) > UNTURNED)
+    axes = e[known] if len(known) else np.array([[0.0, 0.0, 1.0]])
+    axes = _steady(axes / np.linalg.norm(axes, axis=1, keepdims=True))
+    axes = axes[np.maximum(np.searchsorted(known, np.arange(len(p)), side="right") - 1, 0)]
+    return axes, np.asarray(2.0 * np.unwrap(np.arctan2(np.sum(e * axes, axis=1), p[:, 0])))
+
+
+def _steady(rows: Array) -> Array:
+    """Rows, each with the sign that it needs to be the nearest to the one before it."""
+    turned = np.sum(rows[1:] * rows[:-1], axis=1) < 0.0
+    return np.asarray(rows * np.cumprod(np.append(1.0, 1.0 - 2.0 * turned))[: len(rows), None])
 
 
 def spin_places(turning: Sequence[tuple[str, int]]) -> dict[str, tuple[int, int]]:

@@ -76,6 +76,11 @@ def dataset(result: Result) -> "xr.Dataset":
     if spins := series.of_kind("spin"):
         found.label("spin_component", _names(spins))
         found.add("spin", "spin_component", spins, "angular velocities in body axes")
+        entries, bodies = series.of_kind("rotation"), [body for body, _ in description.turning]
+        for dimension, labels in ("body", bodies), ("global_axis", "xyz"), ("body_axis", "xyz"):
+            found.label(dimension, labels)
+        shape = len(bodies), 3, 3
+        found.add("rotation", "body global_axis body_axis", entries, "rotation", "1", shape)
     residual = np.array(result.samples.residual.T)
     about = {"long_name": "largest |Phi|, m or rad"}
     found.data["constraint_residual"] = "time", residual[0], about

@@ -29,7 +29,8 @@ class ResultFigures(TimeSeries):
         Parameters
         ----------
         names
-            As in `series`; without any, the coordinates that are angles.
+            As in `series`; without any, the coordinates that are angles, in space the other
+            coordinates than Euler parameters, and the angular velocities.
         unit
             A unit or several, ``("mm", "rpm")``: each series that fits one is drawn in it.
 

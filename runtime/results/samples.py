@@ -13,7 +13,7 @@ from codegen.errors import InputError
 from codegen.object_display import counted
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.series_table import Series
-from runtime.mechanism.spins import spins
+from runtime.mechanism.spins import rotation_matrices, spins
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -54,6 +54,9 @@ class Samples(NamedTuple):
             first, axis = divmod(row.column, 3)
             p = slice(first, first + 4)
             return spins(self.q[:, p], self.v[:, p])[:, axis]
+        if row.array == "rotation":
+            first, entry = divmod(row.column, 9)
+            return rotation_matrices(self.q[:, first : first + 4]).reshape(-1, 9)[:, entry]
         array: npt.NDArray[Any] = getattr(self, row.array)
         return array.sum(axis=1) if row.column < 0 else array[:, row.column]
 

@@ -13,7 +13,7 @@ from codegen.readers.quantities import converted, converts, unit_text
 from codegen.readers.values import shown
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.series_table import Series, SeriesTable, UnnamedOutputError
-from runtime.mechanism.spins import rotation_matrices
+from runtime.mechanism.spins import axes_and_angles, rotation_matrices, spins
 from runtime.results.samples import FloatArray, Samples
 
 if TYPE_CHECKING:
@@ -78,20 +78,63 @@ class TimeSeries:
     def rotation(self, body: str) -> FloatArray:
         """Rotation matrix of a body in space over time, (k, 3, 3), from its axes to global ones.
 
-        An `InputError` says so of any other body.
+        An `InputError` says so of any other body. "rod.Axx" to "rod.Azz" are series.
         """
+        first = self._first_parameter(body)
+        return rotation_matrices(self.samples.q[:, first : first + 4])
+
+    def axis_angle(self, body: str) -> tuple[FloatArray, FloatArray]:
+        """Axis, (k, 3), and angle, (k,), rad, of a body's rotation from the global axes over time.
+
+        The angle is between 0 and π at the first sample. From sample to sample it is counted
+        through turns, and the axis keeps its sense. A body that stands as the global axes do, also
+        after whole turns, has no axis: that of the sample before holds, else the first one that
+        follows, else z. A body that turns by half a turn from one sample to the next is refused.
+        """
+        first, t = self._first_parameter(body), self.samples.t
+        p, rates = (x[:, first : first + 4] for x in (self.samples.q, self.samples.v))
+        speed = np.linalg.norm(spins(p, rates), axis=1)
+        turned = np.abs(np.diff(t)) * 0.5 * (speed[1:] + speed[:-1])
+        for k in np.flatnonzero(turned >= np.pi)[:1]:
+            raise InputError(
+                f"{self.description.title}: '{body}' turns by about {turned[k]:.3g} rad between t "
+                f"= {t[k]:.6g} and {t[k + 1]:.6g} s, and turns are counted from samples less than "
+                "half a turn apart; ask for more instants, t_eval=1001 or result.at(...)."
+            )
+        return axes_and_angles(p)
+
+    def _first_parameter(self, body: str) -> int:
+        """The column of e0 of a body in space."""
         for name, first in self.description.turning:
             if name == body:
-                return rotation_matrices(self.samples.q[:, first : first + 4])
+                return first
         names = ", ".join(name for name, _ in self.description.turning) or "none here"
         raise InputError(
             f"{self.description.title}: {shown(body)} is no body in space, which are {names}."
         )
 
+    def wrench(self, joint: str, on: str, at: Any = (0, 0, 0), axes: str = "ground") -> FloatArray:
+        """Force and torque of a joint or driver on a body in space over time, (k, 6), N and N m.
+
+        Parameters
+        ----------
+        joint, on
+            Its name, and that of the body on which it acts, or "ground".
+        at
+            Where the torque is taken: a place in the frame of `on`, m, by default the centre of
+            mass; or the name of a tracked point of any body.
+        axes
+            The body in whose axes the components are; by default the global ones.
+        """
+        from runtime.dynamics.outputs_afterwards import joint_wrench  # which stands above
+
+        return joint_wrench(cast("Result", self), joint, on, at, axes)
+
     def reaction(self, joint: str, component: str, unit: str = "") -> FloatArray:
         """Force or torque that the first body of a joint exerts on the second, in joint axes.
 
-        In space the axes are global, and the components "fx" to "fz" and "tx" to "tz".
+        In space the axes are global, and the components "fx" to "fz" and "tx" to "tz"; `wrench`
+        has them at other points and in other axes.
 
         For a driver it is the force or torque on the body that it drives. Components are such as
         "fx", "fy" and "torque", in N or N m; "global_fx" and "global_fy" are the force in global

@@ -177,12 +177,16 @@ def plot(result: "Result", names: Sequence[str] = (), unit: str | Sequence[str] 
     """Draw series of a result (as in `Result.series`; or every angle), one panel for each unit.
 
     Each is drawn in the first `unit` that fits it, or in its own. Tracked points are drawn by their
-    paths, y over x in equal axes, in a panel below.
+    paths, y over x in equal axes, in a panel below; in space by x, y and z over time.
     """
     result = for_curves(result)
     rows, left_out = result.description.positions, result.description.left_out
     tracked = {*result.description.tracked, *(r.name for r in left_out if r.kind == TRACKED)}
     chosen = names or [r.name for r in rows if r.is_angle] or [r.name for r in rows]
+    if result.description.turning:
+        chosen = names or [*(r.name for r in rows if r.unit != "1"), *result.description.spins]
+        axes_of = ([f"{n}.{c}" for c in "xyz"] if n in tracked else [n] for n in chosen)
+        chosen, tracked = [name for parts in axes_of for name in parts], set()
     own = ("m" if str(n) in tracked else result.series(n)[1] for n in chosen)
     shown = fitting_units(dict(zip(chosen, own, strict=True)), unit)
     panels: dict[str, list[str]] = {}  # unit → names

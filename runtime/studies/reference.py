@@ -25,6 +25,7 @@ from runtime.accuracy_target.error_norms import (
     scaled_errors,
     scales,
     series_values,
+    with_signs_of,
 )
 from runtime.accuracy_target.runs import own_instants
 from runtime.integrate.method import LEADING, MULTISTEP, REGISTER, SWITCHING
@@ -268,7 +269,9 @@ def find_reference(
     checks = [Check(title, found.errors(values).worst) for title, values in others.items()]
     nearest = min(checks, key=lambda check: check.error)
     sizes = np.array([scale.value for scale in found.scales])
-    gaps = scaled_errors(others[nearest.title], found.reference, sizes)
+    series = [scale.name for scale in found.scales]
+    confirmed = with_signs_of(found.reference, others[nearest.title], series)
+    gaps = scaled_errors(confirmed, found.reference, sizes)
     doubtful = found.t[gaps.max(axis=1) > DOUBTFUL].tolist()
     found.about = Reference(
         str(file.path) if file else source, independent=file is not None, checks=tuple(checks),
