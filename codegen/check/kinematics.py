@@ -27,6 +27,9 @@ Array = npt.NDArray[np.float64]
 TOLERANCE = 1e-8
 # safety: positions about the start that are tried, so that a singular start is not redundancy
 PROBES = 3
+# measured: of the machine's size, distances of a probe from the start; nearer ones where its joints
+# do not close, as those of a redundant loop in space that was turned too far
+DISTANCES = (0.1, 0.03, 0.01)
 FREEDOMS = 3  # formula: of a body
 
 
@@ -100,10 +103,14 @@ def _jacobian_near(poses: Poses, near: Array, probe: int) -> Any:
     what it cannot reach: Φ_q is that of the place where the search began.
     """
     random = np.random.default_rng(probe)
-    shift = (0.0 if probe == 0 else 0.1) * poses.unit * random.standard_normal(len(near))
-    q, jacobian = poses.closed_near(near + shift)
-    if not poses.holds(q):
-        jacobian = poses.scaled(poses.jacobian(near + shift), poses.unit)
+    away = poses.unit * random.standard_normal(len(near))
+    begins = [near + size * away for size in DISTANCES] if probe else [near]
+    for begin in begins:
+        q, jacobian = poses.closed_near(begin)
+        if poses.holds(q):
+            break
+    else:
+        jacobian = poses.scaled(poses.jacobian(begins[0]), poses.unit)
     if is_finite(jacobian):
         return jacobian
     if isinstance(jacobian, np.ndarray):
