@@ -9,9 +9,9 @@ import sympy
 from codegen import Model
 from tests.random_mechanisms import spatial_parts as parts
 from tests.random_mechanisms.declaration import law
-from tests.random_mechanisms.spatial_constraints import Layout, SpatialState
+from tests.random_mechanisms.spatial_constraints import Layout, SpatialState, triad
 
-UNDECLARED = (parts.AngleDriver, parts.TorsionSpring)  # angles of joints are no coordinates
+UNDECLARED = (parts.TorsionSpring,)  # angles of joints are no coordinates
 FRAMES = {"global": "ground", "body": "body"}
 
 
@@ -46,7 +46,7 @@ def declare(mechanism: parts.SpatialMechanism, name: str) -> Model:
     to = SpatialDeclaration(mechanism, name)
     for part in (*mechanism.joints, *mechanism.effects):
         add(part, to)
-    drivers = [joint.name for joint in mechanism.joints if isinstance(joint, parts.DRIVERS)]
+    drivers = list(to.model.drivers)
     to.model.scene("run", effects=[e.name for e in mechanism.effects], drivers=drivers)
     model: Model = to.model
     return model
@@ -110,6 +110,16 @@ def _(part: parts.SlideDriver, to: SpatialDeclaration) -> None:
     of: Any = to.mechanism.joint(part.joint)
     span = _span(to.at(of.i, of.at), to.at(of.j, of.at))
     to.model.driver(part.name, to.along(of.i, of.axis).dot(span), law(part.law))
+
+
+@add.register
+def _(part: parts.AngleDriver, to: SpatialDeclaration) -> None:
+    """sin(angle - law) = 0, of which the slope along the angle is 1."""
+    of: Any = to.mechanism.joint(part.joint)
+    f, g, _ = triad(of.axis)
+    end, angle = to.along(of.j, f), law(part.law)
+    cosine, sine = (to.along(of.i, a).dot(end) for a in (f, g))
+    to.model.constraint(part.name, sine * sympy.cos(angle) - cosine * sympy.sin(angle))
 
 
 def _span(begin: Any, end: Any) -> sympy.Matrix:

@@ -11,51 +11,47 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from codegen.derive.equations import derive
+from codegen.driver import translate
+from codegen.generated_files.generated_file import Clock
 from codegen.lower.interpreter import evaluate
-from codegen.lower.lowered_scene import lower
 from runtime.mechanism.spins import spins
 from tests.random_mechanisms import spatial_parts as parts
-from tests.random_mechanisms.spatial_declaration import UNDECLARED, coordinates, declare
+from tests.random_mechanisms.spatial_campaign import declared_parts
+from tests.random_mechanisms.spatial_declaration import coordinates, declare
 from tests.random_mechanisms.spatial_dynamics import SpatialDense
-from tests.random_mechanisms.spatial_generator import (
-    RandomSpatialMechanism,
-    random_spatial_mechanism,
-)
+from tests.random_mechanisms.spatial_generator import random_spatial_mechanism
 
 MET = 1e-9
-SEEDS = {  # of mechanisms without redundant rows
-    ("tree", "free"): (0, 1, 2, 3, 4, 5, 6, 8, 9, 11),
-    ("tree", "partly"): (3, 4, 8, 11),
+SEEDS: dict[tuple[str | None, str | None], tuple[int, ...]] = {
+    ("tree", "free"): (0, 1, 2, 3, 4, 5),
+    ("tree", "partly"): (3, 4),
     ("tree", "wholly"): (1,),
-    ("one loop", "free"): (0, 3, 5, 9, 11, 12),
-    ("two loops", "free"): (3,),
+    ("one loop", "free"): (0, 3, 5, 9),
+    (None, None): (1, 2, 4, 6, 8, 16, 17),  # one to three loops; but for 17, some rows follow
 }
 CASES = [(seed, *kind) for kind, seeds in SEEDS.items() for seed in seeds]
 
 
-def without_angles(machine: RandomSpatialMechanism) -> parts.SpatialMechanism:
-    """Its parts but those that need angles of joints."""
-    joints = tuple(j for j in machine.parts.joints if not isinstance(j, UNDECLARED))
-    effects = tuple(e for e in machine.parts.effects if not isinstance(e, UNDECLARED))
-    return replace(machine.parts, joints=joints, effects=effects)
-
-
 @pytest.mark.parametrize(("seed", "family", "driven"), CASES)
-def test_kernels_agree_with_newton_and_euler(seed: int, family: str, driven: str) -> None:
+def test_kernels_agree_with_newton_and_euler(
+    seed: int, family: str | None, driven: str | None
+) -> None:
     machine = random_spatial_mechanism(seed, family, driven)
-    mechanism = without_angles(machine)
+    mechanism = declared_parts(machine)
     dense = SpatialDense(mechanism)
     model = declare(mechanism, f"space_{seed}")
-    lowered = lower(derive(model, model.scenes["run"]))
+    clock = Clock({}, lambda stage: None, model.name)
+    _, lowered, findings = translate(model, model.scenes["run"], clock)
+    freedoms, redundant = dense.freedoms(machine.state)
+    assert len(findings.dependent) == redundant
+    assert findings.degrees_of_freedom == freedoms
     for t, state in machine.states(2):
-        check(dense, lowered, replace(state, turned=state.turned[:0]), t)
+        check(dense, lowered, replace(state, turned=np.zeros(len(dense.layout.angles))), t)
 
 
 def check(dense: SpatialDense, lowered: Any, state: Any, t: float) -> None:
     """Compare everything at one state."""
     solved = dense.solve(state, t)
-    assert len(solved.system.jacobian) == solved.system.rank
     q, v = coordinates(state)
     arguments = {"t": t, "q": q.tolist(), "v": v.tolist(), "p": [], "modes": []}
 
@@ -81,4 +77,7 @@ def check(dense: SpatialDense, lowered: Any, state: Any, t: float) -> None:
         expected = np.concatenate([reaction.force, reaction.torque])
         wrench = [found[joint.name, f"{w}{c}"] for w in "ft" for c in "xyz"]
         size = MET * max(1.0, float(np.abs(expected).max()))
-        assert_allclose(wrench, expected, rtol=0.0, atol=size, err_msg=joint.name)
+        known = reaction.determined
+        assert_allclose(
+            np.array(wrench)[known], expected[known], rtol=0.0, atol=size, err_msg=joint.name
+        )

@@ -62,7 +62,7 @@ def flyball_governor(tilt: float = np.pi / 6) -> SpatialMechanism:
         SpatialBody("slider", 3.0, block(3.0, 0.1, 0.1, 0.1), (0.0, 0.0, 0.5)),
     ]
     joints: list[parts.SpatialJoint] = [
-        parts.Revolute("shaft bearing", GROUND, 0, ORIGIN, Z),
+        parts.Revolute("bearing", GROUND, 0, ORIGIN, Z),
         parts.Translational("guide", 0, 1, (0.0, 0.0, 0.5), Z),
     ]
     effects: list[parts.SpatialEffect] = [parts.Gravity("gravity")]

@@ -1,8 +1,11 @@
 """Machines in space of the tests: a free body, tops, slider-cranks and Bricard's linkage."""
 
+import numpy as np
 from sympy import cos, pi, sin
 
 from codegen import Model, t
+from tests.random_mechanisms.spatial_declaration import declare
+from tests.space import dense_machines
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
 DOWN = (0, 0, -9.81)
@@ -88,4 +91,30 @@ def driven_slider_crank(length: float) -> Model:
     half = pi / 4 - pi * t  # of the crank's angle, by an equation of one's own
     model.constraint("drive", crank.e0 * sin(half) - crank.e1 * cos(half))
     model.scene("run", effects=["gravity"])
+    return model
+
+
+def governor() -> Model:
+    """The flyball governor of the benchmark library of IFToMM, which turns with 2π rad/s."""
+    return declare(dense_machines.flyball_governor(), "flyball_governor")
+
+
+def shafts(bend: float, driven: bool) -> Model:
+    """Two shafts at an angle, in hinges and with a universal joint between; the first along x.
+
+    The first is driven with 2 rad/s by an expression, or both turn freely.
+    """
+    word = "driven" if driven else "free"
+    model = Model(f"shafts_{word}_{round(10 * bend)}", space=True)
+    along = (float(np.cos(bend)), float(np.sin(bend)), 0.0)
+    first = model.body("first", 1.0, (0.1, 0.2, 0.3), at=(-0.5, 0, 0))
+    middle = tuple(0.5 * x for x in along)
+    second = model.body("second", 2.0, (0.3, 0.2, 0.1), at=middle, axes=(0, 0, bend))
+    model.revolute("A", model.ground, first, at=(-1, 0, 0), axis=X)
+    model.universal("cross", first, second, at=(0, 0, 0), axes=(Y, Z))
+    model.revolute("B", model.ground, second, at=along, axis=along)
+    if driven:
+        # of half the angle 2 t
+        model.constraint("drive", first.e0 * sin(t) - first.e1 * cos(t))
+    model.scene("run", start={} if driven else {"first.omega_x": 2.0})
     return model

@@ -1,0 +1,185 @@
+"""Random mechanisms in space against the dense equations: `python -m ... spatial_campaign 0 300`.
+
+Every machine is built, compiled and run. At each sample accelerations and reactions are compared
+with Newton's and Euler's equations in the same state, and the motion with the dense motion.
+"""
+
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from codegen.errors import LinkwrightError
+from runtime import load
+from runtime.core.outcomes import Outcome
+from runtime.machine_facade import Machine
+from runtime.mechanism.spins import spins
+from runtime.results.result import Result
+from tests.random_mechanisms import spatial_parts as parts
+from tests.random_mechanisms.seed_range import run_campaign
+from tests.random_mechanisms.spatial_constraints import SpatialState
+from tests.random_mechanisms.spatial_declaration import UNDECLARED, coordinates, declare
+from tests.random_mechanisms.spatial_dynamics import SpatialDense, SpatialSolution
+from tests.random_mechanisms.spatial_generator import (
+    RandomSpatialMechanism,
+    random_spatial_mechanism,
+)
+from tests.random_mechanisms.spatial_motion import motion
+
+MET = 1e-9  # of accelerations and reactions in a state that both are given
+MOTION = 1e-6  # m, and of entries of rotation matrices
+METHODS = {"dop853": 1e-11, "radau5": 1e-10, "bdf": 1e-9}  # with their tolerances
+SAMPLES = 4
+WRENCH = ("fx", "fy", "fz", "tx", "ty", "tz")
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The largest differences of one machine and method, as parts of 1 or of the largest value."""
+
+    statics: float
+    motion: float
+    complaints: tuple[str, ...]
+
+
+def declared_parts(machine: RandomSpatialMechanism) -> parts.SpatialMechanism:
+    """Its parts but those that need angles of joints through turns."""
+    effects = tuple(e for e in machine.parts.effects if not isinstance(e, UNDECLARED))
+    return replace(machine.parts, effects=effects)
+
+
+class Comparison:
+    """A machine, loaded, beside its dense equations and their motion."""
+
+    def __init__(self, machine: RandomSpatialMechanism, folder: Path) -> None:
+        self.mechanism = declared_parts(machine)
+        self.dense = SpatialDense(self.mechanism)
+        self.state = replace(machine.state, turned=np.zeros(len(self.dense.layout.angles)))
+        self.instants = np.linspace(0.0, machine.horizon, SAMPLES)
+        self.exact = motion(self.dense, self.state, self.instants.tolist())
+        self.driven = machine.freedoms == 0
+        self.loaded: Machine = load(declare(self.mechanism, f"space_{machine.seed}"), folder=folder)
+        self.start = self._assembled()
+
+    def judge(self, method: str) -> Verdict:
+        """Run it by a method, and compare everything."""
+        result, complaints = self.run(method), [*self._redundancy()]
+        if result.outcome is not Outcome.OK:
+            return Verdict(np.inf, np.inf, (*complaints, f"{method}: {result.message}"))
+        n = len(self.mechanism.bodies)
+        q, a = (x.reshape(-1, n, 7) for x in (result.samples.q, result.samples.a))
+        states = [self._state(result, k, q[k]) for k in range(SAMPLES)]
+        found = [max(self._apart(result, k, s, a[k])) for k, s in enumerate(states)]
+        off = max(
+            float(np.abs([*(s.r - e.r).ravel(), *(s.R - e.R).ravel()]).max())
+            for s, e in zip(states, self.exact, strict=True)
+        )
+        statics = max(found)
+        if not statics < MET:
+            complaints.append(f"{method}: accelerations or reactions are {statics:.1e} apart")
+        if not off < MOTION:
+            complaints.append(f"{method}: the motion is {off:.1e} off")
+        return Verdict(statics, off, tuple(complaints))
+
+    def run(self, method: str) -> Result:
+        """Inverse dynamics where nothing is free, else a simulation."""
+        if self.driven:
+            return self.loaded.inverse_dynamics(self.instants, start=self.start, progress=False)
+        return self.loaded.simulate(
+            self.instants[-1], self.instants, start=self.start, rtol=METHODS[method],
+            atol=METHODS[method], method=method, progress=False,
+        )  # fmt: skip
+
+    def _assembled(self) -> Any:
+        columns = self.loaded.coordinates
+        names = (*columns.names, *(row.velocity for row in columns))
+        q, v = coordinates(self.state)
+        return self.loaded.assemble(guess=dict(zip(names, [*q.tolist(), *v.tolist()], strict=True)))
+
+    def _redundancy(self) -> Iterator[str]:
+        """Whether the freedoms, the redundant rows and the joints that share a load are named."""
+        freedoms, redundant = self.dense.freedoms(self.state)
+        found = self.start.degrees_of_freedom, len(self.start.redundant)
+        if found != (freedoms, redundant):
+            yield f"freedoms and redundant rows are {found}, not {(freedoms, redundant)}"
+        solved = self.dense.solve(self.state)
+        shared = {
+            joint.name for joint in self.mechanism.joints
+            if not self._determined(joint, self.state, solved).all()
+        }  # fmt: skip
+        if shared != {*self.start.not_unique}:
+            yield f"not unique are {sorted(shared)}, named are {sorted(self.start.not_unique)}"
+
+    def _determined(self, joint: Any, state: SpatialState, solved: SpatialSolution) -> Any:
+        return self.dense.reaction(joint.name, state, solved).determined
+
+    def _state(self, result: Result, k: int, q: Any) -> SpatialState:
+        names = [body.name for body in self.mechanism.bodies]
+        R = np.array([result.rotation(name)[k] for name in names])
+        v = np.array([[result.v(f"{n}.{c}")[k] for c in ("x", "y", "z")] for n in names])
+        w = np.array([[result.v(f"{n}.omega_{c}")[k] for c in "xyz"] for n in names])
+        w = np.einsum("bij,bj->bi", R, w)
+        return SpatialState(q[:, :3], R, v, w, self.exact[k].turned)
+
+    def _apart(self, result: Result, k: int, state: SpatialState, a: Any) -> Iterator[float]:
+        """Differences of accelerations and wrenches, and what is missing in Newton's law."""
+        t = float(result.t[k])
+        solved = self.dense.solve(state, t)
+        p = result.samples.q[k].reshape(-1, 7)[:, 3:]
+        spin = spins(p, a[:, 3:])
+        size = max(1.0, float(np.abs([solved.r, solved.w]).max()))
+        yield float(np.abs(a[:, :3] - solved.r).max()) / size
+        yield float(np.abs(spin - solved.body_w).max()) / size
+        e = solved.system
+        accelerations = np.concatenate([solved.r, solved.w], axis=1).ravel()
+        missing = (e.mass @ accelerations - e.force).reshape(-1, 6)
+        largest = max(1.0, float(np.abs(e.jacobian.T @ solved.lam).max()))
+        for joint in self.mechanism.joints:
+            if isinstance(joint, parts.DRIVERS):
+                force = float(result.reaction(joint.name, "force")[k])
+                row = self.dense.layout.rows[joint.name].start
+                missing -= force * e.jacobian[row].reshape(-1, 6)
+                if self._determined(joint, state, solved).all():
+                    effort = self.dense.effort(joint.name, solved)
+                    largest = max(largest, abs(effort))
+                    yield abs(force - effort) / largest
+                continue
+            known = self.dense.reaction(joint.name, state, solved)
+            wrench = np.array([result.reaction(joint.name, c)[k] for c in WRENCH])
+            expected = np.concatenate([known.force, known.torque])
+            largest = max(largest, float(np.abs(wrench).max()))
+            yield float(np.abs((wrench - expected)[known.determined]).max(initial=0.0)) / largest
+            for body, sign in ((joint.j, 1.0), (joint.i, -1.0)):
+                if body != parts.GROUND:
+                    moment = wrench[3:] + np.cross(known.point - state.r[body], wrench[:3])
+                    missing[body] -= sign * np.concatenate([wrench[:3], moment])
+        yield float(np.abs(missing).max()) / largest
+
+
+def methods_of(seed: int) -> tuple[str, ...]:
+    """The explicit method, and for every third machine an implicit one."""
+    return ("dop853", *{1: ("radau5",), 4: ("bdf",)}.get(seed % 6, ()))
+
+
+def judge(seed: int) -> tuple[tuple[str, ...], str]:
+    """Complaints about a machine, and what it is."""
+    machine = random_spatial_mechanism(seed)
+    about = f"; {machine.family} {machine.driven} {list(machine.loops)} {machine.redundant}"
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            compared = Comparison(machine, Path(folder))
+            methods = methods_of(seed)[: 1 if compared.driven else 2]
+            verdicts = [compared.judge(method) for method in methods]
+        except LinkwrightError as error:
+            return (f"{type(error).__name__}: {str(error)[:600]}",), about
+    about += "".join(
+        f"; {m} {v.statics:.0e} {v.motion:.0e}" for m, v in zip(methods, verdicts, strict=True)
+    )
+    return tuple(c for verdict in verdicts for c in verdict.complaints), about
+
+
+if __name__ == "__main__":
+    run_campaign(__doc__, judge)
