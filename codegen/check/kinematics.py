@@ -30,7 +30,7 @@ PROBES = 3
 # measured: of the machine's size, distances of a probe from the start; nearer ones where its joints
 # do not close, as those of a redundant loop in space that was turned too far
 DISTANCES = (0.1, 0.03, 0.01)
-FREEDOMS = 3  # formula: of a body
+FREEDOMS = 3  # formula: of a body in the plane; in space twice as many
 
 
 class Findings(NamedTuple):
@@ -68,7 +68,8 @@ def examine(model: Model, equations: Equations, lowered: Lowered) -> Findings:
     if drivers:
         pairs = {name: frozenset(joint.bodies) for name, joint in model.joints.items()}
         held = Counter(pairs[c.name] for c, _ in rows if c.name in pairs)
-        twice = (c.name for c, _ in rows if c.name in pairs and held[pairs[c.name]] > FREEDOMS)
+        most = FREEDOMS * (2 if model.in_space else 1)
+        twice = (c.name for c, _ in rows if c.name in pairs and held[pairs[c.name]] > most)
         both = " and ".join(dict.fromkeys(twice))
         problem = f"{head} Remove or relax {names}: no motion is left for them to prevent."
         if both:

@@ -215,3 +215,23 @@ def test_pictures_and_equilibrium_are_refused(workshop: Path) -> None:
     with pytest.raises(AnalysisError, match="limits are there for machines in the plane"):
         machine.limits("top.z")
     assert result.plot("top.omega_y", "top.z") is not None
+
+
+@pytest.mark.parametrize("hinges", [1, 2])
+def test_a_driver_too_many_names_joints_only_where_two_hold_the_same_bodies(
+    hinges: int, tmp_path: Path
+) -> None:
+    model = declared()
+    a = model.bodies["a"]
+    for k in range(hinges):
+        model.revolute(f"A{k}", model.ground, a, at=(0, 0, k), axis=Z)
+    tip = a.at(0.3, 0.1, 0)
+    model.driver("one", tip.x, 0.3 - 0.1 * t)
+    model.driver("two", tip.y, 0.1 + 0.1 * t)
+    model.scene("run", drivers=["one", "two"])
+    with pytest.raises(ModelError) as refusal:
+        build(model, "run", out=tmp_path, compile=False)
+    if hinges == 1:
+        assert "Remove or relax 'two': no motion is left" in str(refusal.value)
+    else:
+        assert "Joints A0 and A1 hold the same bodies" in str(refusal.value)
