@@ -1,6 +1,6 @@
 """Effects between bodies that touch or rub: contacts, friction, stops, clearances."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Literal
 
@@ -28,8 +28,8 @@ class Contacts(Declarations):
 
     def contact(
         self, name: str, i: Place | None = None, j: Place | None = None, *, stiffness: Any = None,
-        damping: Any = None, free_length: Any = 0, direction: Pair | None = None, gap: Any = None,
-        may_pull: bool = True, restitution: Any = None, typical_force: Any = None,
+        damping: Any = None, free_length: Any = 0, direction: Sequence[Any] | None = None,
+        gap: Any = None, may_pull: bool = True, restitution: Any = None, typical_force: Any = None,
         fidelity: Literal["penalty", "rigid"] | None = None,
     ) -> Effect:  # fmt: skip
         """A contact that acts while a gap is closed, by spring and damper (Haug 8.4.2) or rigidly.
@@ -44,7 +44,7 @@ class Contacts(Declarations):
         free_length
             ℓ0 in m.
         direction
-            u in the frame of body `i`, of any length.
+            u in the frame of body `i`, of any length; in space three numbers.
         gap
             Instead of points: g itself, in m, an expression of coordinates, parameters and t.
         may_pull
@@ -321,15 +321,14 @@ class Contacts(Declarations):
         otherwise = "regularised" if creeps else "sticking"
         return self._declare_forms(label(law), fidelity, otherwise, made, needs)
 
-    def _direction(
-        self, where: str, word: str, vector: Any
-    ) -> tuple[sympy.Expr, sympy.Expr] | None:
-        """Two components that are not both zero."""
-        ux, uy = self._read.vector(vector, ("", ""), f"{word} of {where}", word)
-        if ux == 0 and uy == 0:
-            self._note(f"{where}: the {word} (0, 0) points nowhere; give another.")
+    def _direction(self, where: str, word: str, vector: Any) -> tuple[sympy.Expr, ...] | None:
+        """As many components as there are axes, not all of them zero."""
+        axes = ("",) * (3 if self.in_space else 2)
+        along = self._read.vector(vector, axes, f"{word} of {where}", word)
+        if all(u == 0 for u in along):
+            self._note(f"{where}: the {word} {along} points nowhere; give another.")
             return None
-        return ux, uy
+        return along
 
     def _surfaces(self, name: str, i: Any, j: Any, missing: str) -> tuple[Ends, Bodies]:
         """Two points and their bodies; one that is missing is noted, and the ground."""
@@ -372,9 +371,10 @@ class Contacts(Declarations):
             return given.rubbing().slip, unit, given.bodies
         if isinstance(given, Constraint | str):
             name = shown(given.name if isinstance(given, Constraint) else given)
+            joints = "a revolute, a translational or a revolute-translational joint itself, or "
             self._note(
-                f"{where}: {name} is no joint with a coordinate; give a revolute, a translational "
-                "or a revolute-translational joint itself, or an expression of coordinates."
+                f"{where}: {name} is no joint with a coordinate; give "
+                f"{'' if self.in_space else joints}an expression of coordinates."
             )
             return sympy.S.One, "", ()
         s = self._value(of, "", f"coordinate of {where}")

@@ -327,17 +327,18 @@ class SpaceModel(Model):
 
 ELEMENTS = (
     "body, spherical, revolute, cylindrical, translational, universal, weld, distance, constraint, "
-    "driver, gravity, force, torque, spring, line_force, potential and generalized_force"
+    "driver, gravity, force, torque, spring, line_force, potential, generalized_force, contact, "
+    "stop, release and engage"
 )
 """What a machine in space may be declared with, in words."""
 REFUSED = (
     *("absolute", "belt", "bushing", "cam_flat_follower", "cam_follower", "clearance_joint"),
-    *("contact", "coupler", "curve_through", "distance_driver", "draw_ground"),
-    *("dry_friction", "elastic_belt", "engage", "friction", "gear"),
+    *("coupler", "curve_through", "distance_driver", "draw_ground"),
+    *("dry_friction", "elastic_belt", "friction", "gear"),
     *("gear_with_backlash", "mass_flow", "motor", "one_way_clutch", "particle", "point_driver"),
-    *("point_follower", "rack_and_pinion", "relative", "relative_driver", "release"),
+    *("point_follower", "rack_and_pinion", "relative", "relative_driver"),
     *("revolute_revolute", "revolute_translational", "rolling_disc", "rotation_driver", "screw"),
-    *("stop", "torsion_spring", "translation_driver"),
+    *("torsion_spring", "translation_driver"),
 )
 """Words of the plane that a machine in space does not have yet."""
 

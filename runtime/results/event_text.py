@@ -9,8 +9,11 @@ from runtime.mechanism.table_rows import NEXT_PIECE
 _LONGEST = 50  # layout: characters of a condition in a text
 _COMPARISON = re.compile(r"(\S+) ([<>])=? (\S+)")
 _PART = re.compile(r"(.+) \(part: (.+)\)")  # of a condition with a label
-_QUANTITY = re.compile(r"(?:(\w+)_)?(x|y|phi|vx|vy|omega|t)")
-_UNITS = {"x": "m", "y": "m", "phi": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s", "t": "s"}
+_UNITS = {
+    **dict.fromkeys("xyz", "m"), "phi": "rad", **dict.fromkeys(("vx", "vy", "vz"), "m/s"),
+    **dict.fromkeys(("omega", "omega_x", "omega_y", "omega_z"), "rad/s"), "t": "s",
+}  # fmt: skip
+_QUANTITY = re.compile(rf"(?:(\w+?)_)?({'|'.join(_UNITS)})")
 
 
 def event_text(name: str, direction: int) -> str:

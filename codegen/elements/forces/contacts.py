@@ -21,23 +21,23 @@ from codegen.tables.piecewise_function import closed
 
 
 def gap_between(
-    i: Point, j: Point, direction: tuple[sympy.Expr, sympy.Expr] | None, free_length: sympy.Expr
+    i: Point, j: Point, direction: tuple[sympy.Expr, ...] | None, free_length: sympy.Expr
 ) -> sympy.Expr:
-    """The gap g between two points, m.
+    """The gap g between two points, m, in the plane or in space.
 
     Along a direction u fixed in body i it is g = (A_i u)ᵀ (r_j^P - r_i^P) - ℓ0, negative once
     point j has come closer than ℓ0 or gone past; without one it is g = ℓ - ℓ0, as between two
-    discs whose radii add up to ℓ0.
+    discs or spheres whose radii add up to ℓ0.
     """
     if direction is None:
         return distance(i, j) - free_length
-    ux, uy = direction
-    size = sympy.sqrt(ux**2 + uy**2)
-    ux, uy = ux / size, uy / size
-    (x, y), (c, s) = i.body.position, i.body.rotation
-    dx, dy = j.x - x, j.y - y  # from the centre: the part of point i along u is constant
-    gap: sympy.Expr = (ux * c - uy * s) * dx + (ux * s + uy * c) * dy
-    return gap - (ux * i.sx + uy * i.sy + free_length)
+    size = sympy.sqrt(sympy.Add(*(u**2 for u in direction)))
+    unit = [u / size for u in direction]
+    tip = type(i)(i.body, *unit).position
+    rows = zip(i.body.position, tip, j.position, strict=True)
+    # From the centre: the part of point i along u is constant.
+    gap = sympy.Add(*((end - r) * (other - r) for r, end, other in rows))
+    return gap - sympy.Add(*(u * s for u, s in zip(unit, i.place, strict=True)), free_length)
 
 
 def gap_problems(where: str, gap: sympy.Expr, bodies: Bodies) -> list[str]:
