@@ -26,7 +26,7 @@ from tests.random_mechanisms.spatial_impacts import (
 from tests.space.machines import X
 from tests.space.test_contacts import spins, velocities
 
-SEEDS = (11, 17, 20)  # of small machines
+SEEDS = (17, 20, 24)  # of small machines
 
 
 @pytest.mark.parametrize("seed", SEEDS)
