@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from runtime.core.arrays import EPS
 from runtime.linalg.least_norm import solve_by_newton
+from runtime.linalg.unit_euler_parameters import normalise
 from runtime.mechanism.dense_equations import Equations, FloatArray
 
 CLOSED = 1e-10  # accuracy: largest scaled gap of joints that are closed
@@ -135,6 +136,7 @@ def refine(task: Task, q: FloatArray) -> FloatArray:
     def at(x: FloatArray) -> FloatArray:
         moved = q.copy()
         moved[task.free] += x * scale
+        normalise(moved, task.equations.mechanism.shape["turning"], task.free)
         return moved
 
     x, _ = solve_by_newton(

@@ -41,6 +41,7 @@ class System(Kernels):
     linear_reactions: bool = True  # in multipliers: no friction follows from them
     # constraints of which none follows from others everywhere; None: all
     independent: tuple[int, ...] | None = None
+    turning: tuple[int, ...] = ()  # of bodies in space, the first of four Euler parameters
     states: tuple[int, ...] = ()  # velocities that are states of first order
     sampled: tuple[int, ...] = ()  # velocities that a clock renews
     sampled_names: tuple[str, ...] = ()

@@ -16,6 +16,7 @@ from runtime.core.jit import compiled, inner
 from runtime.integrate.method import EXPLICIT, LEADING, Method
 from runtime.integrate.run_state import RunState
 from runtime.integrate.step_control import first_step
+from runtime.linalg.unit_euler_parameters import normalise
 from runtime.singularity.motion_polynomial import Motion, interpolate, taylor
 from runtime.singularity.singular_position_near_motion import Singularity
 
@@ -169,6 +170,7 @@ def _project(state: RunState, scale: Vector, t: float, q: Vector, v: Vector) -> 
     """Bring q and v onto the constraints, least in the metric of the masses."""
     dq, dv, moved = np.zeros_like(q), np.zeros_like(v), np.inf
     for _ in range(8):
+        normalise(q, state.system.turning)
         state.system.correction(t, q, v, state.p, scale**2, dq, dv)
         q += dq
         v += dv

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from runtime.core.arrays import Kernel
 from runtime.core.kinds import MIXED, SLIDING
 from runtime.linalg.least_norm import SPARSE_FROM
+from runtime.linalg.unit_euler_parameters import normalise
 from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.table_rows import MASS_LAW
 from runtime.mechanism.typical_sizes import StartTable, measure, measure_rows, start_table
@@ -228,9 +229,7 @@ class Equations:
     def turned(self, q: FloatArray) -> FloatArray:
         """Poses with every angle of q turned by half a radian or so, each by another, (2, n)."""
         turned: FloatArray = q + self.mechanism.shape["turns"]
-        for first in self.mechanism.shape["turning"]:
-            p = turned[:, first : first + 4]
-            p /= np.linalg.norm(p, axis=1, keepdims=True)
+        normalise(turned, self.mechanism.shape["turning"])
         return turned
 
     def impact(self, t: float, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:

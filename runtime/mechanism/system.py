@@ -119,6 +119,7 @@ def common_system(
         shares=tuple((k, behind + i) for i, k in enumerate(description.shares)),
         superposes=description.superposes,
         table_parts=description.table_parts,
+        turning=tuple(first for _, first in description.turning),
         states=description.state_columns,
         sampled=description.sampled_columns,
         sampled_names=sampled,
@@ -167,10 +168,12 @@ class Reduced:
         """The reduced equations, as the integrator takes them."""
         n, m, places = len(self.kept), len(self.closures), self.kept.tolist()
         behind = len(self.description.parameters) + len(self.branches)
+        whole = (k for _, k in self.description.turning if {*range(k, k + 4)} <= {*places})
         return replace(
             common_system(self.description, self.kernels, *self.jacobian, n, m, behind),
             dead_centres=self.dead_centres,
             loops=len(self.branches),
+            turning=tuple(map(places.index, whole)),
             states=tuple(map(places.index, self.description.state_columns)),
             sampled=tuple(map(places.index, self.description.sampled_columns)),
             **self.tangents._asdict(),

@@ -31,6 +31,7 @@ from runtime.validation.finite_equations import left_tables, name_left_tables
 from runtime.validation.scene_support import require_no_rigid, require_no_sticking
 
 _FLAT = 1e-8  # accuracy: part of the largest stiffness; a smaller one is indifferent
+_MOVED = 1e-3  # accuracy: part of the largest motion in an indifferent direction; less is none
 
 
 class Stability(StrEnum):
@@ -49,6 +50,7 @@ class Judgement(NamedTuple):
     eigenvalues: FloatArray  # of M^-1 K, 1/s^2, ascending
     frequencies: FloatArray = np.zeros(0)  # rad/s
     flutter: bool = False
+    loose: tuple[str, ...] = ()  # bodies in space that indifferent directions move
 
 
 def _judge(statics: StaticEquations, position: RestPosition) -> Judgement:
@@ -64,16 +66,22 @@ def _judge(statics: StaticEquations, position: RestPosition) -> Judgement:
         return Judgement(Stability.UNKNOWN, np.full(len(matrix), np.nan))
     largest = float(np.abs(matrix).max(initial=0.0))
     if float(np.abs(matrix - matrix.T).max(initial=0.0)) <= 1e-6 * largest:
-        values = np.linalg.eigvalsh(0.5 * (matrix + matrix.T))
+        values, vectors = np.linalg.eigh(0.5 * (matrix + matrix.T))
         real = np.ones(len(values), dtype=np.bool_)
     else:
-        pairs = np.linalg.eigvals(matrix)
-        pairs = pairs[np.argsort(pairs.real)]
+        pairs, vectors = np.linalg.eig(matrix)
+        order = np.argsort(pairs.real)
+        pairs, vectors = pairs[order], vectors[:, order]
         real = np.abs(pairs.imag) <= 1e-6 * np.abs(pairs).max()
         values = pairs.real
     flutter = not bool(real.all())
     light = float(np.linalg.eigvalsh(root @ root.T).max())
-    flat = max(_FLAT * largest, 1e-9 * float(position.effort.max()) / light)
+    flat = np.full(len(values), max(_FLAT * largest, 1e-9 * float(position.effort.max()) / light))
+    description = statics.equations.description
+    modes = np.linalg.solve(root.T, vectors)
+    if description.turning:  # a thin rod about its axis: what differences leave, over no inertia
+        stiffest = float(np.abs(position.stiffness).max(initial=0.0))
+        flat = np.maximum(flat, _FLAT * stiffest * np.sum(np.abs(modes) ** 2, axis=0))
     squares: FloatArray = np.array(values, dtype=np.float64)
     if position.edges:
         return Judgement(Stability.UNKNOWN, squares, flutter=flutter)
@@ -82,7 +90,11 @@ def _judge(statics: StaticEquations, position: RestPosition) -> Judgement:
     else:
         some_flat = bool((values <= flat).any())
         stability = Stability.INDIFFERENT if some_flat else Stability.STABLE
-    return Judgement(stability, squares, np.sqrt(squares[real & (squares > flat)]), flutter)
+    moved = np.abs(motions / statics.scale[:, None] @ modes[:, values <= flat])
+    moved = (moved / moved.max(axis=0, initial=1e-300)).max(axis=1, initial=0.0)
+    loose = tuple(n for n, k in description.turning if moved[k - 3 : k + 4].max() > _MOVED)
+    frequencies = np.sqrt(squares[real & (squares > flat)])
+    return Judgement(stability, squares, frequencies, flutter, loose)
 
 
 METHODS = "energy", "settling"
@@ -342,7 +354,9 @@ def _message(
             f"{', in oscillations that grow (flutter)' if judged.flutter else ''}. "
             'Start elsewhere, or use method="settling".'
         ),
-        Stability.INDIFFERENT: "Indifferent: it stays where a small push leaves it.",
+        Stability.INDIFFERENT: (
+            f"Indifferent: it stays where a small push leaves {', '.join(judged.loose) or 'it'}."
+        ),
         Stability.UNKNOWN: (
             f"Stability unknown: the forces balance on the boundary of {edges}, so the stiffness "
             f"is that of one side only."

@@ -202,14 +202,12 @@ def test_a_body_without_inertia_moves_in_kinematics_alone(tmp_path: Path) -> Non
         build(model, out=tmp_path, compile=False)
 
 
-def test_pictures_and_equilibrium_are_refused(workshop: Path) -> None:
+def test_pictures_modes_and_limits_are_refused(workshop: Path) -> None:
     machine = load(heavy_top(), folder=workshop)
     result = machine.simulate(0.01, 3, progress=False)
     for drawing in (machine.draw, result.draw, heavy_top().draw):
         with pytest.raises(InputError, match="is in space, and there are pictures of machines in"):
             drawing()
-    with pytest.raises(AnalysisError, match="equilibrium is there for machines in the plane"):
-        machine.equilibrium()
     with pytest.raises(AnalysisError, match="assembly_modes are there for machines in the plane"):
         machine.assembly_modes()
     with pytest.raises(AnalysisError, match="limits are there for machines in the plane"):
