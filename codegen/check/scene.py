@@ -118,6 +118,12 @@ class _SceneCheck:
             owner = name.rpartition(".")[0] or name  # a state is its own
             if owner not in self.present | self.model.noted:
                 yield f"{name} has a start value, but its {kind(owner)} takes no part."
+        for name in scene.counted:
+            if (owner := name.partition(".")[0]) not in self.present:
+                yield (
+                    f"something asks for {name}, but joint '{owner}' takes no part; take it in, or "
+                    "leave out what asks for it."
+                )
         for name, _ in scene.guess:
             if name in scene.states:
                 yield f"guess names '{name}', but a state is not searched for; give it in start=."

@@ -8,7 +8,6 @@ import numpy.typing as npt
 import sympy
 
 from codegen.declare.rotation_entries import RotationEntry
-from codegen.declare.space_body import Three
 
 Array = npt.NDArray[np.float64]
 SMALL = 1e-12  # accuracy: the sine of two axes that count as parallel; a length that is none
@@ -50,11 +49,9 @@ def perpendicular(h: Array) -> Array:
     return np.asarray(f / np.linalg.norm(f))
 
 
-def symbolic(vector: Any) -> Three:
+def symbolic(vector: Any) -> Any:
     """Numbers of a vector as expressions, whole where rounding alone makes them other ones."""
-    size = max(1.0, float(np.abs(vector).max()))
-    whole = (
-        round(x) if abs(x - round(x)) < SMALL * size else x for x in np.asarray(vector).tolist()
-    )
-    x, y, z = (sympy.sympify(x) for x in whole)
-    return x, y, z
+    numbers = np.asarray(vector, float)
+    size = max(1.0, float(np.abs(numbers).max()))
+    whole = (round(x) if abs(x - round(x)) < SMALL * size else x for x in numbers.tolist())
+    return tuple(sympy.sympify(x) for x in whole)

@@ -104,10 +104,14 @@ class WrenchReaction:
     arm
         The global vector from the body's centre to that point, 3 × 1, in placeholders; None: the
         point that is bound in the frame.
+    rows
+        The number of rows that hold the bodies, the first ones; None: all. The forces along own
+        coordinates belong to those who exert them.
     """
 
     on: SpaceFrame
     arm: sympy.Matrix | None = None
+    rows: int | None = None
 
 
 @declaring_class("ConjugateReaction")
@@ -123,6 +127,7 @@ class ConjugateReaction:
         """The force or torque along a coordinate of that letter."""
         kind = coordinate("", letter).measure
         name = f"f{letter}" if kind.unit == "m" else "torque" if kind.unit == "rad" else "force"
+        name = "force" if letter == "slide" else name
         return cls(((name, kind.force_unit),))
 
 

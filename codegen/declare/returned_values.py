@@ -339,10 +339,10 @@ def replaced_body(element: Any) -> Body | None:
 
 
 def own_coordinates(constraint: Any) -> tuple[Coordinate, ...]:
-    """The coordinates that a sound joint brings itself."""
+    """The coordinates that a sound joint brings itself, or where a scene asks for them."""
     try:
-        sound = not problems_of(constraint)
-        return tuple(q for _, q in statement_of(constraint).own) if sound else ()
+        own = () if problems_of(constraint) else tuple(q for _, q in statement_of(constraint).own)
+        return own or tuple(getattr(constraint, q) for q in getattr(constraint, "countable", ()))
     except ModelError:  # reported where the joint is checked
         return ()
 

@@ -151,6 +151,8 @@ class Scene(Choices):
         Joints that do not act although their bodies take part.
     states
         The states that take part, of first order or sampled.
+    counted
+        The coordinates of joints in space that something in it asks for, ``"A.angle"``.
     connected
         Of the joints that come and go in a run, those that act.
     fidelity
@@ -184,6 +186,7 @@ class Scene(Choices):
     bodies: tuple[str, ...]
     inactive_joints: tuple[str, ...]
     states: tuple[str, ...] = ()
+    counted: tuple[str, ...] = ()
     connected: tuple[str, ...] = ()
     request: Request = field(default=Request(), repr=False, compare=False)
     owner: Owner | None = field(default=None, repr=False, compare=False)

@@ -37,7 +37,7 @@ class SpaceFrame:
     @cached_property
     def s(self) -> sympy.ImmutableMatrix:
         """Placeholder for a point s' of the body, 3 × 1."""
-        return self._given("s")
+        return self.given("s")
 
     @cached_property
     def arm(self: Any) -> sympy.ImmutableMatrix:
@@ -51,9 +51,10 @@ class SpaceFrame:
 
     def vector(self, letter: str) -> sympy.ImmutableMatrix:
         """A vector of the body in global axes, A a', with the placeholder a' of that letter."""
-        return self.A * self._given(letter)
+        return self.A * self.given(letter)
 
-    def _given(self, letter: str) -> sympy.ImmutableMatrix:
+    def given(self, letter: str) -> sympy.ImmutableMatrix:
+        """The placeholder of a vector of that letter in the body's axes, 3 × 1."""
         return sympy.ImmutableMatrix([given(f"{self.name}_{letter}{c}") for c in "xyz"])
 
     def bind(
@@ -65,7 +66,7 @@ class SpaceFrame:
             raise ModelError(f"SpaceFrame.bind: {shown(body)} is no body of a machine in space.")
         bindings = dict(zip((*self.r, *self.p), (*body.position, *body.p), strict=True))
         for letter, components in {"s": point.place, **vectors}.items():
-            bindings |= dict(zip(self._given(letter), components, strict=True))
+            bindings |= dict(zip(self.given(letter), components, strict=True))
         return bindings
 
 

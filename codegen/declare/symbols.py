@@ -48,11 +48,14 @@ KINDS = {
     "z": CoordinateKind("vz", "m"),
     "e0": CoordinateKind("e0dot", "1", 1.0),
     **{f"e{k}": CoordinateKind(f"e{k}dot", "1") for k in (1, 2, 3)},
+    "angle": CoordinateKind("rate", "rad"),
+    "slide": CoordinateKind("speed", "m"),
 }
 """Letter of a coordinate → its kind.
 
 α and β are contact parameters of elements; the rate of an integral is a state, which has a unit of
-its own; e0 to e3 are the Euler parameters of a body in space.
+its own; e0 to e3 are the Euler parameters of a body in space, angle and slide count how far the
+second body of a joint in space has turned and slid.
 """
 MASSES = ("mass", "inertia")  # letters of masses that vary
 

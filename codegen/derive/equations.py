@@ -2,17 +2,17 @@
 
 from collections.abc import Iterator, Set
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import sympy
 
 from codegen.declare.body import Bodies, Body
 from codegen.declare.element import Constraint, Effect, Element, Statement, label
-from codegen.declare.returned_values import replaced_body
+from codegen.declare.returned_values import own_coordinates, replaced_body
 from codegen.declare.scene import ExpressionOutput, Scene
 from codegen.declare.space_body import SpaceBody
 from codegen.declare.state import WATCHED, State, WatchedCondition, states_in
-from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration, Velocity
+from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration, Velocity, dotted
 from codegen.derive import constraint_terms as cs
 from codegen.derive import switching_functions as sf
 from codegen.derive.derived_outputs import derived_outputs
@@ -224,7 +224,7 @@ def parts_of(model: "Model", scene: Scene) -> Parts:
     """What takes part in a scene of a model."""
     present = {"ground", *scene.bodies}
     joints = {
-        name: joint
+        name: _counting(joint, scene.counted) if scene.counted else joint
         for name, joint in model.joints.items()
         if name not in scene.inactive_joints
         and all(body.name in present for body in joint.bodies)
@@ -238,6 +238,12 @@ def parts_of(model: "Model", scene: Scene) -> Parts:
         model.acting(scene),
         scene.analysis != "kinematics",
     )
+
+
+def _counting(joint: Constraint, counted: tuple[str, ...]) -> Constraint:
+    """The joint with those of its coordinates that are counted."""
+    letters = tuple(q.letter for q in own_coordinates(joint) if dotted(q) in counted)
+    return cast(Any, joint).counting(letters) if letters else joint
 
 
 def body_equations(body: Body) -> ConstraintEquations:

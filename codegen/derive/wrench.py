@@ -23,7 +23,8 @@ def wrench(
     entries = {entry: sympy.Dummy(str(entry), real=True) for entry in on.A}
     back = {symbol: entry for entry, symbol in entries.items()}
     matrix = on.A.xreplace(entries)
-    pairs = tuple((e.xreplace(entries), lam) for e, lam in zip(phi, multipliers, strict=True))
+    held = zip(phi[: reaction.rows], multipliers[: reaction.rows], strict=True)
+    pairs = tuple((e.xreplace(entries), lam) for e, lam in held)
     force = sympy.Matrix([-sum(derivative(e, r) * lam for e, lam in pairs) for r in on.r])
     couple = sympy.zeros(3, 1)
     for j in range(3):  # the column j of A, which a turn moves as a vector

@@ -1,20 +1,30 @@
 """Drivers: constraints that prescribe a motion in time (Haug, section 3.5)."""
 
+from typing import Any
+
 import sympy
 
 from codegen.declare.body import Bodies, Body, Point
 from codegen.declare.element import ConjugateReaction, Constraint, I, J, Statement, label
 from codegen.declare.element_fields import Axis, Condition, Conditions, direction, quantity
+from codegen.declare.space_body import SpacePoint
+from codegen.declare.space_frame import I as IN_SPACE_I
+from codegen.declare.space_frame import J as IN_SPACE_J
 from codegen.declare.symbols import Coordinate, Letter, kinds, t
 from codegen.drawing import shapes
 from codegen.elements.joints.guides import ALONG, bind_axis
 from codegen.elements.joints.points import DIFFERENCE, LEFT_SIDE, SPAN, letter_unit
 from codegen.elements.registry import element
+from codegen.elements.space.joints import SPAN as SPAN_IN_SPACE
 
 # safety: (1e-90 m)² is below the rounding of any distance. It keeps d / |d| and its derivative from
 # 0 / 0 if a guess puts both points in one place: the Jacobian is 0 there, like that of dᵀ d.
 NOTHING = 1e-180
-DISTANCE = sympy.sqrt(SPAN.dot(SPAN) + NOTHING)
+DISTANCES: dict[type, tuple[Any, Any, sympy.Expr]] = {
+    of: (i, j, sympy.sqrt(span.dot(span) + NOTHING))
+    for of, i, j, span in ((Point, I, J, SPAN), (SpacePoint, IN_SPACE_I, IN_SPACE_J, SPAN_IN_SPACE))
+}
+"""Class of a point → the frames of two bodies, and the distance of their points."""
 
 
 class Driver(Constraint):
@@ -204,8 +214,9 @@ class DistanceDriver(Driver):
     def statement(self) -> Statement:
         """One equation, m."""
         reaction = ConjugateReaction((("force", "N"),))
-        bindings = I.bind(self.i) | J.bind(self.j)
-        return Statement((DISTANCE - self.law,), ("distance",), reaction, bindings)
+        i, j, distance = DISTANCES[type(self.i)]
+        bindings = i.bind(self.i) | j.bind(self.j)
+        return Statement((distance - self.law,), ("distance",), reaction, bindings)
 
     def conditions(self) -> Conditions:
         """A law that is positive at t = 0, as far as can be told."""

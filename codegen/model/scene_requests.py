@@ -6,17 +6,22 @@ An element is declared once; each scene takes it as finely as its question needs
 import re
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
-from sympy import S
+from sympy import S, Tuple
 
 from codegen.declare.body import Bodies, Point
 from codegen.declare.element import EXERTED, QUANTITIES, Effect, Reported, label
-from codegen.declare.returned_values import effect_expressions, friction_law
+from codegen.declare.returned_values import (
+    effect_expressions,
+    friction_law,
+    own_coordinates,
+    statement_of,
+)
 from codegen.declare.scene import ANALYSES, Request, Scene, name_of
 from codegen.declare.state import WatchedCondition, states_in
-from codegen.declare.symbols import Parameter
+from codegen.declare.symbols import Coordinate, Parameter, Velocity, dotted, kinds
 from codegen.declare.value_reader import Names, Reader
 from codegen.drawing import shapes
 from codegen.errors import ModelError
@@ -245,6 +250,7 @@ class SceneRequests(MovingBodies, Connections, ExpressionOutputs):
             )
             return None
         words = list[str]()
+        given = [name_of(w) if isinstance(w, Coordinate | Velocity) else w for w in given]
         for word in (one for one in given if not isinstance(one, Mapping)):  # of expressions
             if isinstance(word, str) and word in ("all", DEFAULT):
                 words += OF_ANALYSIS.get(analysis, GROUPS) if word == "all" else (DEFAULT,)
@@ -261,7 +267,7 @@ class SceneRequests(MovingBodies, Connections, ExpressionOutputs):
         word = given if isinstance(given, str) else shown(given)
         if word == "global_reactions" and self.in_space:
             return "reactions in space are in global axes; ask for 'reactions'."
-        if word in (*GROUPS, "shaking"):
+        if word in (*GROUPS, "shaking") or word in self._countable:
             return None
         match = ONE.match(word)
         points = self.points
@@ -269,7 +275,7 @@ class SceneRequests(MovingBodies, Connections, ExpressionOutputs):
         if match is None:
             words = [f"{group}({n})" for group in SINGLE[2:6] for n in acting]
             words += [f"{quantity}({n})" for quantity in QUANTITIES for n in self.effects]
-            words += [f"{word}({n})" for word in OF_POINTS for n in points]
+            words += [*(f"{word}({n})" for word in OF_POINTS for n in points), *self._countable]
             return f"no output {shown(given)}; {nearest(word, ('all', DEFAULT, *GROUPS, *words))}"
         group, name = match.groups()
         if group in OF_POINTS and name not in points:
@@ -278,6 +284,13 @@ class SceneRequests(MovingBodies, Connections, ExpressionOutputs):
         if group not in OF_POINTS and name not in acting:
             return f"no output '{word}', as there is no '{name}'; {nearest(name, acting)}"
         return None
+
+    @property
+    def _countable(self) -> dict[str, str]:
+        """Names of all that joints in space may count, and of its rates → the coordinate."""
+        joints = (joint for joint in self.joints.values() if hasattr(joint, "countable"))
+        own = (q for joint in joints for q in own_coordinates(joint))
+        return {dotted(s): dotted(q) for q in own for s in (q, q.rate)}
 
     def _rubbing_in(
         self, effects: Iterable[str], joints: set[str], how: Mapping[str, str]
@@ -309,6 +322,28 @@ class SceneRequests(MovingBodies, Connections, ExpressionOutputs):
             pending = {*states_in(*parts)} - found
             found |= pending
         return tuple(name for name in self.states if name in found - {*scene.request.without})
+
+    def _counting(self, scene: Scene) -> Scene:
+        """The scene with the coordinates of joints in space that something in it asks for."""
+        known, bodies = self._countable, tuple(self.bodies[name] for name in scene.bodies)
+        if not known:
+            return scene
+        expressions: list[Any] = [one.indicator for one in scene.until]
+        expressions += [one.expression for one in scene.expressions]
+        expressions += [e for name in scene.states for e in self.states[name].expressions]
+        for effect in self.acting(scene).values():
+            with suppress(ModelError):  # reported by `build`
+                expressions += effect_expressions(effect, bodies)
+        for one in (*self.joints.values(), *(self.drivers[name] for name in scene.drivers)):
+            with suppress(ModelError):
+                expressions += (*(statement := statement_of(one)).phi, *statement.bindings.values())
+        symbols = kinds(Tuple(*expressions), Coordinate, Velocity)
+        words = scene.outputs or ()
+        asked = {*map(dotted, symbols), *words, *(n for n, _ in (*scene.start, *scene.guess))}
+        counted = dict.fromkeys(q for name, q in known.items() if name in asked)
+        kept = tuple(word for word in words if word not in known)
+        outputs = None if kept == (DEFAULT,) or scene.outputs is None else kept
+        return replace(scene, counted=tuple(counted), outputs=outputs)
 
     def _read_request(
         self, read: Reader, where: str, effects: Names, drivers: Names, **words: Any

@@ -32,7 +32,8 @@ def without_values_of(request: Request, gone: Set[str], renewed: Set[str] = froz
         return tuple((n, x) for n, x, owner in owned if n in renewed or owner not in gone)
 
     asked = ((word, ONE.match(word)) for word in request.outputs or ())
-    outputs = tuple(word for word, one in asked if one is None or one[2] not in gone)
+    owners = ((word, one[2] if one else word.rpartition(".")[0]) for word, one in asked)
+    outputs = tuple(word for word, owner in owners if owner not in gone)
     return replace(
         request, start=fits(request.start), guess=fits(request.guess),
         outputs=None if request.outputs is None else outputs,
@@ -255,7 +256,9 @@ class Scenes(SceneRequests):
             **{key: getattr(request, key) for key in UNCHANGED},
             **about,
         )
-        return replace(scene, states=self._states_of(scene, named)) if self.states else scene
+        if self.states:
+            scene = replace(scene, states=self._states_of(scene, named))
+        return self._counting(scene)
 
     def _locate_contacts(
         self, start: NamedValues, absent: tuple[str, ...], guess: NamedValues

@@ -7,7 +7,7 @@ drawing, ``at=(x, y, z), axis=(ux, uy, uz)``, or by points and axes of the bodie
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from typing import Any, Literal, NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 import sympy
@@ -21,10 +21,9 @@ from codegen.declare.drawn_pose import (
     rotation_of,
     symbolic,
 )
-from codegen.declare.element import Constraint, Effect
-from codegen.declare.space_body import UPRIGHT, Axis, SpaceBody, SpaceGround, SpacePoint, Three
+from codegen.declare.element import Constraint
+from codegen.declare.space_body import UPRIGHT, Axis, SpaceBody, SpaceGround, SpacePoint
 from codegen.elements.scalar_measures import is_constant
-from codegen.elements.space.forces import ForceInSpace, GravityInSpace, TorqueInSpace
 from codegen.elements.space.joints import (
     Cylindrical,
     DistanceInSpace,
@@ -35,23 +34,17 @@ from codegen.elements.space.joints import (
     WeldInSpace,
 )
 from codegen.errors import ModelError
-from codegen.model.base import declares
-from codegen.model.model import Model
+from codegen.model.space_effects import Place, SpaceEffects
 from codegen.readers.values import KindError, members, shown
 
-Place = SpacePoint | SpaceBody  # a body means its centre of mass, or its place at the drawing
 SPINS = ("omega_x", "omega_y", "omega_z")
 
 
-class SpaceModel(Model):
+class SpaceModel(SpaceEffects):
     """A machine in space."""
 
     in_space = True
     _ground_class = SpaceGround
-
-    @declares(GravityInSpace)
-    def gravity(self, name: str, g: Three) -> Effect:  # type: ignore[override]
-        """Uniform gravity (g_x, g_y, g_z), m/s², on every body of the scene."""
 
     def body(  # type: ignore[override]
         self, name: str, mass: Any = None, inertia: Any = None, *, at: Any = (0, 0, 0),
@@ -165,30 +158,6 @@ class SpaceModel(Model):
             value = float(np.linalg.norm(self._drawn(ends[1]) - self._drawn(ends[0])))
         length = self._value(value, "m", f"distance '{name}': value", "positive")
         return self._declare(DistanceInSpace(name, *ends, length))
-
-    # -- forces ------------------------------------------------------------------------------
-
-    @declares(ForceInSpace, point="on")
-    def force(  # type: ignore[override]
-        self, name: str, on: Place, value: Three, frame: Literal["ground", "body"] = "ground"
-    ) -> Effect:
-        """A force (fx, fy, fz) in N at a point of a body.
-
-        Parameters
-        ----------
-        on
-            The point at which it acts; a body means its centre of mass.
-        value
-            In N, any expressions of t, q, q̇ and parameters.
-        frame
-            ``"ground"`` for global axes, ``"body"`` for those of the body.
-        """
-
-    @declares(TorqueInSpace, body="on")
-    def torque(  # type: ignore[override]
-        self, name: str, on: SpaceBody, value: Three, frame: Literal["ground", "body"] = "ground"
-    ) -> Effect:
-        """A torque (tx, ty, tz) in N m on a body; words as of `force`."""
 
     @property
     def _ground(self) -> SpaceGround:
@@ -327,18 +296,17 @@ class SpaceModel(Model):
 
 ELEMENTS = (
     "body, spherical, revolute, cylindrical, translational, universal, weld, distance, constraint, "
-    "driver, gravity, force, torque, spring, line_force, potential, generalized_force, contact, "
-    "stop, release and engage"
+    "driver, rotation_driver, translation_driver, point_driver, distance_driver, gravity, force, "
+    "torque, spring, torsion_spring, line_force, potential, generalized_force, contact, stop, "
+    "release and engage"
 )
 """What a machine in space may be declared with, in words."""
 REFUSED = (
     *("absolute", "belt", "bushing", "cam_flat_follower", "cam_follower", "clearance_joint"),
-    *("coupler", "curve_through", "distance_driver", "draw_ground"),
-    *("dry_friction", "elastic_belt", "friction", "gear"),
-    *("gear_with_backlash", "mass_flow", "motor", "one_way_clutch", "particle", "point_driver"),
+    *("coupler", "curve_through", "draw_ground", "dry_friction", "elastic_belt", "friction"),
+    *("gear", "gear_with_backlash", "mass_flow", "motor", "one_way_clutch", "particle"),
     *("point_follower", "rack_and_pinion", "relative", "relative_driver"),
-    *("revolute_revolute", "revolute_translational", "rolling_disc", "rotation_driver", "screw"),
-    *("torsion_spring", "translation_driver"),
+    *("revolute_revolute", "revolute_translational", "rolling_disc", "screw"),
 )
 """Words of the plane that a machine in space does not have yet."""
 

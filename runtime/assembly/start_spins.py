@@ -49,7 +49,10 @@ def with_spins(
         f"{spin.name} = {spin.value:.6g} rad/s, where {x:.6g} is nearest"
         for spin, x in zip(given, reached.tolist(), strict=True)
     )
+    held = zip(equations.description.coordinates, v.tolist(), fixed.tolist(), strict=True)
+    others = [f"{row.velocity} = {x:.6g} {row.velocity_unit}" for row, x, kept in held if kept]
     raise AssemblyError(
         f"{equations.description.title}: angular velocities contradict the joints, drivers or "
-        f"other start velocities at t = {t:g} s: {text}. Leave those out that follow from others."
+        f"other start velocities at t = {t:g} s: {text}{'; fixed are ' * bool(others)}"
+        f"{', '.join(others)}. Leave those out that follow from others."
     )

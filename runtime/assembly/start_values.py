@@ -64,7 +64,8 @@ def start_values(
         if name not in places:
             what = "coordinate or velocity"
             what = "coordinate, velocity or state" if description.states else what
-            problems.append(unknown(what, name, description.startable))
+            counting = description.suggest_counting(str(name))
+            problems.append(counting or unknown(what, name, description.startable))
         elif finite is None:
             problems.append(f"Start value {name} is {shown(value)}; it must be a finite number.")
         elif release and places[name][0] and not states[places[name][1]]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from codegen.errors import InputError
 from runtime.assembly.redundancy import suited_equations
+from runtime.core.arrays import Integers
 from runtime.core.system import System
 from runtime.dynamics.changes_of_coordinates import Changes
 from runtime.dynamics.controllers import remembered
@@ -92,7 +93,8 @@ class CartesianCoordinates(Coordinates):
         self.system = mechanism.system
         if method in IMPLICIT:
             self.system = replace(self.system, **mechanism.tangents._asdict())
-        self.mobility = _mobility(self.equations.masses(begin.q), ready.sizes, compressed=True)
+        counted, masses = ready.mechanism.shape["counted"], self.equations.masses(begin.q)
+        self.mobility = _mobility(masses, ready.sizes, counted, compressed=True)
 
     def problem(self, t: float, q: FloatArray, v: FloatArray) -> Problem:
         """In the machine's own coordinates."""
@@ -142,7 +144,8 @@ class ReducedCoordinates(Coordinates):
         reduced, ready = self.reduced, self.ready
         kept, p = reduced.kept, reduced.parameters(ready.p, t, q)
         sizes = ready.sizes[kept]
-        scale = _mobility(np.diag(reduced.inertia(t, q[kept], p)), sizes)
+        inertia = np.diag(reduced.inertia(t, q[kept], p))
+        scale = _mobility(inertia, sizes, ready.mechanism.shape["counted"][kept])
         return Problem(
             t, ready.t_end, q[kept], v[kept], p, scale, sizes, self.spreads, ready.stops,
             samples_taken=ready.samples_taken, discrete=ready.discrete,
@@ -212,10 +215,12 @@ def formulate(
     return CartesianCoordinates(ready, method, correction)
 
 
-def _mobility(inertia: FloatArray, sizes: FloatArray, *, compressed: bool = False) -> FloatArray:
+def _mobility(
+    inertia: FloatArray, sizes: FloatArray, counted: Integers, *, compressed: bool = False
+) -> FloatArray:
     """Typical changes of coordinates, (n,), of the masses M_kk and typical sizes, (n,) each."""
     mobility = np.zeros(len(inertia))
-    measure_mobility(np.array(inertia), sizes, mobility, int(compressed))
+    measure_mobility(np.array(inertia), sizes, counted, mobility, int(compressed))
     return mobility
 
 

@@ -126,6 +126,7 @@ class Mechanism:
             "of_length": lengths,
             "scaled_by_length": scaled,
             "every": np.ones(len(lengths)),
+            "counted": [row.is_counted for row in description.coordinates],
             "in_metres": [row.unit == "m" for row in description.parameters],
             "turning": [first for _, first in description.turning],
         }

@@ -15,6 +15,7 @@ from runtime.core.kinds import Boundary, TablePart
 from runtime.mechanism.series_table import SeriesTable
 from runtime.mechanism.spins import spin_places
 from runtime.mechanism.table_rows import (
+    COUNTED,
     TRACKED,
     Constraint,
     Coordinate,
@@ -141,6 +142,12 @@ class Description:
             f"{self.title} does not compute {output}, which its outputs do not name; declare the "
             f"scene with outputs=[{outputs}], or load scene.with_(outputs=[{outputs}])."
         )
+
+    def suggest_counting(self, name: str) -> str:
+        """The same of a coordinate or rate that a joint may count; empty of any other name."""
+        owner, _, letter = name.rpartition(".")
+        kinds = {row.element: row.kind for row in self.constraints}
+        return self.suggest_output(name) if letter in COUNTED.get(kinds.get(owner, ""), ()) else ""
 
     @cached_property
     def tracked(self) -> tuple[str, ...]:

@@ -117,6 +117,8 @@ class SeriesTable:
         row, (word, of, _) = self.get(name), self._call_of(name)
         if row is not None:
             return row
+        if counting := self.description.suggest_counting(name):
+            raise InputError(counting)
         if word in (*QUANTITIES, "power", "work") or (word == "energy" and of in ENERGIES):
             raise self._refusal(word, of, "")
         text = f"{self.title}: {self.unknown(name)}"
@@ -162,6 +164,8 @@ class SeriesTable:
     def _refusal(self, word: str, name: str, component: str) -> InputError:
         """What to say of a call that is none: the output to ask for, or the calls there are."""
         about, ways = self.description, dict[Series, Call]()
+        if word in ("q", "v", "a") and (counting := about.suggest_counting(name)):
+            return InputError(counting)
         joints = dict.fromkeys(row.element for row in about.constraints)
         output = "reaction" if word in QUANTITIES and name in joints else word
         acting = [one for one in about.effects.names if one not in about.tracked]

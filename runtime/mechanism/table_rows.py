@@ -97,6 +97,11 @@ class Coordinate(NamedTuple):
         return self.unit == "m"
 
     @property
+    def is_counted(self) -> bool:
+        """Whether a joint in space counts it, an angle or a slide."""
+        return self.name.endswith((".angle", ".slide"))
+
+    @property
     def is_state(self) -> bool:
         """Whether it is the integral of a state, which is its velocity."""
         return self.state_unit is not None
@@ -158,6 +163,12 @@ class Parameter(NamedTuple):
 
 
 MASS_LAW = "mass law"  # kind of the equations of masses that vary, which push nothing
+COUNTED = {
+    "revolute in space": ("angle", "rate"),
+    "translational in space": ("slide", "speed"),
+    "cylindrical": ("angle", "rate", "slide", "speed"),
+}
+"""Kind of a joint → letters of what it may count."""
 TRACKED = "tracked point"  # kind of a point whose place is an output; it stands among the effects
 
 

@@ -38,6 +38,7 @@ START.integers("slope_rows slope_columns", _NONZEROS, allotted=False)
 START.integers("of_length", _N, allotted=False)  # 1 of coordinates that are lengths
 START.integers("scaled_by_length", _N, allotted=False)  # of those measured in the machine's length
 START.integers("every", _N, allotted=False)  # 1 of every coordinate
+START.integers("counted", _N, allotted=False)  # 1 of angles and slides that joints count
 START.floats("typical", _N, allotted=False)  # changes of the coordinates that are no lengths
 START.matrix("turns", (2, None), _N, allotted=False)  # to two positions with all angles turned
 START.integers("turning", _TURNING, allotted=False)  # columns of e0 of bodies in space
@@ -250,12 +251,13 @@ def measure_length(context: Context, t: float, q: Vector, p: Vector) -> float:
 
 
 @inner
-def write_mobility(inertia: Vector, sizes: Vector, mobility: Vector) -> None:
+def write_mobility(inertia: Vector, sizes: Vector, counted: Integers, mobility: Vector) -> None:
     """Typical size of a change of each coordinate, 1/√M_kk, from M_kk and typical sizes; all (n,).
 
     A coordinate without mass, such as the place of a contact on a cam, follows most easily: ten
     times the size of the most mobile body makes it one of the dependent coordinates. In reduced
-    coordinates its mass is rounding.
+    coordinates its mass is rounding. What a joint counts leads instead, as if it moved the heaviest
+    body: it describes the motion through full turns, as no other coordinate in space does.
     """
     heaviest, lightest = 0.0, np.inf
     for k in range(inertia.size):
@@ -266,6 +268,8 @@ def write_mobility(inertia: Vector, sizes: Vector, mobility: Vector) -> None:
     for k in range(inertia.size):
         heavy = inertia[k] * sizes[k] ** 2 > _ROUNDED_MASS * heaviest
         mobility[k] = 1.0 / np.sqrt(inertia[k] if heavy else 0.01 * lightest)
+        if counted[k] != 0 and heaviest > 0.0:
+            mobility[k] = sizes[k] / np.sqrt(heaviest)
 
 
 @inner
@@ -330,10 +334,12 @@ def measure_rows(context: Context, t: Any, q: Any, p: Any, size: Any) -> None:
     write_row_scale(context, t, q, p, size)
 
 
-@compiled(none(vector, vector, vector, i8))
-def measure_mobility(inertia: Any, sizes: Any, mobility: Any, compressed: Any) -> None:
+@compiled(none(vector, vector, integers, vector, i8))
+def measure_mobility(
+    inertia: Any, sizes: Any, counted: Any, mobility: Any, compressed: Any
+) -> None:
     """For Python: see `write_mobility`; `compress` follows, if `compressed` is 1."""
-    write_mobility(inertia, sizes, mobility)
+    write_mobility(inertia, sizes, counted, mobility)
     if compressed != 0:
         compress(mobility, sizes)
 

@@ -89,7 +89,7 @@ def prepare_run(common: Any, own: Any, run: int) -> bool:
         return False
     write_scale(begin, measure_length(begin, t, q, p), own.sizes)
     write_inertia(common, own, q)
-    write_mobility(own.inertia, own.sizes, own.mobility)
+    write_mobility(own.inertia, own.sizes, begin.counted, own.mobility)
     compress(own.mobility, own.sizes)
     if common.widest < np.inf:
         jacobian_of(table)(t, q, p, own.slopes)

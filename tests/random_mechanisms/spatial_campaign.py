@@ -6,7 +6,7 @@ with Newton's and Euler's equations in the same state, and the motion with the d
 
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,7 @@ from runtime.results.result import Result
 from tests.random_mechanisms import spatial_parts as parts
 from tests.random_mechanisms.seed_range import run_campaign
 from tests.random_mechanisms.spatial_constraints import SpatialState
-from tests.random_mechanisms.spatial_declaration import UNDECLARED, coordinates, declare
+from tests.random_mechanisms.spatial_declaration import coordinates, declare
 from tests.random_mechanisms.spatial_dynamics import SpatialDense, SpatialSolution
 from tests.random_mechanisms.spatial_generator import (
     RandomSpatialMechanism,
@@ -45,19 +45,12 @@ class Verdict:
     complaints: tuple[str, ...]
 
 
-def declared_parts(machine: RandomSpatialMechanism) -> parts.SpatialMechanism:
-    """Its parts but those that need angles of joints through turns."""
-    effects = tuple(e for e in machine.parts.effects if not isinstance(e, UNDECLARED))
-    return replace(machine.parts, effects=effects)
-
-
 class Comparison:
     """A machine, loaded, beside its dense equations and their motion."""
 
     def __init__(self, machine: RandomSpatialMechanism, folder: Path) -> None:
-        self.mechanism = declared_parts(machine)
+        self.mechanism, self.state = machine.parts, machine.state
         self.dense = SpatialDense(self.mechanism)
-        self.state = replace(machine.state, turned=np.zeros(len(self.dense.layout.angles)))
         self.instants = np.linspace(0.0, machine.horizon, SAMPLES)
         self.exact = motion(self.dense, self.state, self.instants.tolist())
         self.driven = machine.freedoms == 0
@@ -70,7 +63,7 @@ class Comparison:
         if result.outcome is not Outcome.OK:
             return Verdict(np.inf, np.inf, (*complaints, f"{method}: {result.message}"))
         n = len(self.mechanism.bodies)
-        q, a = (x.reshape(-1, n, 7) for x in (result.samples.q, result.samples.a))
+        q, a = (x[:, : 7 * n].reshape(-1, n, 7) for x in (result.samples.q, result.samples.a))
         states = [self._state(result, k, q[k]) for k in range(SAMPLES)]
         found = [max(self._apart(result, k, s, a[k])) for k, s in enumerate(states)]
         off = max(
@@ -94,9 +87,9 @@ class Comparison:
         )  # fmt: skip
 
     def _assembled(self) -> Any:
-        columns = self.loaded.coordinates
-        names = (*columns.names, *(row.velocity for row in columns))
         q, v = coordinates(self.state)
+        columns = [*self.loaded.coordinates][: len(q)]  # behind them stand coordinates of joints
+        names = (*(row.name for row in columns), *(row.velocity for row in columns))
         return self.loaded.assemble(guess=dict(zip(names, [*q.tolist(), *v.tolist()], strict=True)))
 
     def _redundancy(self) -> Iterator[str]:
@@ -128,7 +121,7 @@ class Comparison:
         """Differences of accelerations and wrenches, and what is missing in Newton's law."""
         t = float(result.t[k])
         solved = self.dense.solve(state, t)
-        p = result.samples.q[k].reshape(-1, 7)[:, 3:]
+        p = result.samples.q[k, : a.size].reshape(-1, 7)[:, 3:]
         spin = spins(p, a[:, 3:])
         size = max(1.0, float(np.abs([solved.r, solved.w]).max()))
         yield float(np.abs(a[:, :3] - solved.r).max()) / size

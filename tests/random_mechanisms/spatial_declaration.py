@@ -4,14 +4,12 @@ from functools import singledispatch
 from typing import Any
 
 import numpy as np
-import sympy
 
 from codegen import Model
 from tests.random_mechanisms import spatial_parts as parts
 from tests.random_mechanisms.declaration import law
-from tests.random_mechanisms.spatial_constraints import Layout, SpatialState, triad
+from tests.random_mechanisms.spatial_constraints import Layout, SpatialState
 
-UNDECLARED = (parts.TorsionSpring,)  # angles of joints are no coordinates
 FRAMES = {"global": "ground", "body": "body"}
 
 
@@ -35,10 +33,6 @@ class SpatialDeclaration:
     def at(self, index: int, place: parts.Vector) -> Any:
         """The point of a body at a place of the drawing."""
         return self.body(index).at(*self._layout.fixed_point(index, place).tolist())
-
-    def along(self, index: int, axis: parts.Vector) -> Any:
-        """A unit vector of a body, in global axes, as expressions."""
-        return self.body(index).A * sympy.Matrix(self._layout.fixed_vector(index, axis).tolist())
 
 
 def declare(mechanism: parts.SpatialMechanism, name: str) -> Model:
@@ -95,36 +89,29 @@ def _(part: parts.SphericalSpherical, to: SpatialDeclaration) -> None:
 
 @add.register
 def _(part: parts.PointDriver, to: SpatialDeclaration) -> None:
-    driven = getattr(to.at(part.body, part.at), part.letter)
-    to.model.driver(part.name, driven, law(part.law))
+    to.model.point_driver(part.name, to.at(part.body, part.at), part.letter, law(part.law))
 
 
 @add.register
 def _(part: parts.DistanceDriver, to: SpatialDeclaration) -> None:
-    span = _span(to.at(part.i, part.at_i), to.at(part.j, part.at_j))
-    to.model.driver(part.name, sympy.sqrt(span.dot(span)), law(part.law))
+    ends = to.at(part.i, part.at_i), to.at(part.j, part.at_j)
+    to.model.distance_driver(part.name, *ends, law(part.law))
+
+
+@add.register(parts.AngleDriver)
+@add.register(parts.SlideDriver)
+def _(part: Any, to: SpatialDeclaration) -> None:
+    word = "rotation" if isinstance(part, parts.AngleDriver) else "translation"
+    joint = to.model.joints[part.joint]
+    getattr(to.model, f"{word}_driver")(part.name, joint, law(part.law))
 
 
 @add.register
-def _(part: parts.SlideDriver, to: SpatialDeclaration) -> None:
-    of: Any = to.mechanism.joint(part.joint)
-    span = _span(to.at(of.i, of.at), to.at(of.j, of.at))
-    to.model.driver(part.name, to.along(of.i, of.axis).dot(span), law(part.law))
-
-
-@add.register
-def _(part: parts.AngleDriver, to: SpatialDeclaration) -> None:
-    """sin(angle - law) = 0, of which the slope along the angle is 1."""
-    of: Any = to.mechanism.joint(part.joint)
-    f, g, _ = triad(of.axis)
-    end, angle = to.along(of.j, f), law(part.law)
-    cosine, sine = (to.along(of.i, a).dot(end) for a in (f, g))
-    to.model.constraint(part.name, sine * sympy.cos(angle) - cosine * sympy.sin(angle))
-
-
-def _span(begin: Any, end: Any) -> sympy.Matrix:
-    """From a point to another."""
-    return sympy.Matrix(end.position) - sympy.Matrix(begin.position)
+def _(part: parts.TorsionSpring, to: SpatialDeclaration) -> None:
+    to.model.torsion_spring(
+        part.name, to.model.joints[part.joint], stiffness=part.stiffness,
+        free_angle=part.free_angle, damping=part.damping,
+    )  # fmt: skip
 
 
 @add.register

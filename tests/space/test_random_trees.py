@@ -8,19 +8,23 @@ import pytest
 from numpy.testing import assert_allclose
 
 from runtime import load
-from tests.random_mechanisms.spatial_campaign import declared_parts
 from tests.random_mechanisms.spatial_declaration import coordinates, declare
 from tests.random_mechanisms.spatial_dynamics import SpatialDense
 from tests.random_mechanisms.spatial_generator import random_spatial_mechanism
 from tests.random_mechanisms.spatial_motion import motion
+from tests.random_mechanisms.test_spatial_kernels import counted
 
 
 @pytest.mark.parametrize("seed", [3, 4])
 def test_equations_in_seven_columns_hold_with_the_multipliers(seed: int, workshop: Path) -> None:
     """M q̈ + Φ_qᵀ λ = Q and Φ_q q̈ = γ, with the multipliers of pᵀp = 1 among λ."""
     tree = random_spatial_mechanism(seed, "tree", "free")
-    machine = load(declare(declared_parts(tree), f"tree_{seed}"), folder=workshop)
-    q, v = coordinates(tree.state)
+    machine = load(declare(tree.parts, f"tree_{seed}"), folder=workshop)
+    dense, (q, v) = SpatialDense(tree.parts), coordinates(tree.state)
+    own = counted(dense, tree.state, dense.solve(tree.state))
+    names = machine.coordinates.names[len(q) :]
+    assert {*names} == {*own}
+    q, v = (np.append(x, [own[name][k] for name in names]) for k, x in enumerate((q, v)))
     about, kernels, p = machine.description, machine.kernels, machine.parameter_values()
     n, m, modes = len(q), len(machine.constraints), np.zeros(0, np.int64)
     a, lam, forces, gamma = np.zeros(n), np.zeros(m), np.zeros(n), np.zeros(m)
@@ -36,14 +40,13 @@ def test_equations_in_seven_columns_hold_with_the_multipliers(seed: int, worksho
     size = float(np.abs(forces).max())
     assert_allclose(mass @ a + slopes.T @ lam, forces, rtol=0.0, atol=1e-12 * size)
     assert_allclose(slopes @ a, gamma, rtol=0.0, atol=1e-11 * float(np.abs(gamma).max()))
-    energy = SpatialDense(declared_parts(tree))
-    at_speed, w = energy.system(tree.state, 0.0), np.hstack([tree.state.v, tree.state.w]).ravel()
+    at_speed, w = dense.system(tree.state, 0.0), np.hstack([tree.state.v, tree.state.w]).ravel()
     assert kernels.kinetic_energy(q, v, p) == pytest.approx(w @ at_speed.mass @ w / 2, rel=1e-13)
 
 
 def test_the_motion_of_a_tree_is_that_of_newtons_and_eulers_equations(workshop: Path) -> None:
     tree = random_spatial_mechanism(3, "tree", "free")
-    mechanism = declared_parts(tree)
+    mechanism = tree.parts
     t = np.linspace(0.0, 0.5, 6)
     exact: list[Any] = motion(SpatialDense(mechanism), tree.state, t.tolist(), 1e-11)
     machine = load(declare(mechanism, "tree_3"), folder=workshop)

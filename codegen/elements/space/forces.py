@@ -1,4 +1,4 @@
-"""Given loads in space: gravity, forces and torques."""
+"""Forces in space: gravity, given forces and torques, springs and dampers of a joint's angle."""
 
 from typing import Literal
 
@@ -8,7 +8,9 @@ from codegen.declare.body import Bodies, Loads
 from codegen.declare.element import Effect, Measure, Measures, label
 from codegen.declare.element_fields import quantity
 from codegen.declare.space_body import SpaceBody, SpacePoint
+from codegen.declare.symbols import rate
 from codegen.elements.forces.applied import Gravity
+from codegen.elements.forces.springs import OTHER, SpringDamper
 from codegen.elements.registry import element
 
 NEWTONS, TORQUES = ("N",) * 3, ("N m",) * 3
@@ -83,6 +85,34 @@ class TorqueInSpace(Effect):
     def problems(self) -> list[str]:
         """The ground cannot be turned."""
         return _of_ground(self, self.body)
+
+
+@element(space=True)
+class TorsionSpringInSpace(SpringDamper):
+    """A torsion spring, a rotary damper or both about the axis of a joint.
+
+    n = k (θ - θ0) + N0 + c θ̇ + N with the angle θ of the joint, counted through turns; n acts on
+    the first body of the joint, -n on the second. The rest is as in the plane.
+    """
+
+    kind = "torsion spring in space"
+    unit = "rad"
+    name: str
+    angle: sympy.Expr = quantity("rad")
+    stiffness: sympy.Expr = quantity("N m/rad", "nonnegative", advice=OTHER.format("torque"))
+    free_angle: sympy.Expr = quantity("rad")
+    damping: sympy.Expr = quantity("N m s/rad", "nonnegative", advice=OTHER.format("torque"))
+    actuator: sympy.Expr = quantity("N m")
+    law: sympy.Expr | None = quantity(
+        "N m", default=None, function_of=lambda of: (of.angle, rate(of.angle)), is_law=True
+    )
+    preload: sympy.Expr = quantity("N m", default=sympy.S.Zero)
+    on: Bodies = ()
+
+    @property
+    def scalar(self) -> tuple[sympy.Expr, sympy.Expr]:
+        """θ and θ0."""
+        return self.angle, self.free_angle
 
 
 def _components(quantity: str, letter: str, unit: str, value: Three) -> Measures:

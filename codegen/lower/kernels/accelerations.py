@@ -245,7 +245,9 @@ def elimination(
         right = [structure.kinds(scene.graph, column) for column in right]
     lengths = system.lengths
     with_lengths = {i for i, k in system.jacobian if k in lengths}
-    located = [(k, n + i, i not in with_lengths) for i, k in scene.massless]
+    column = {name: k for k, name in enumerate(system.names)}
+    pairs = [(system.rows.index(i), column[scene.names[k]]) for i, k in scene.massless]
+    located = [(k, n + i, i not in with_lengths) for i, k in pairs]
     owners = [*system.owners, *(scene.owners[i] for i in system.rows)]
     return Elimination(graph, entries, right, duals, references, located, labels, owners)
 

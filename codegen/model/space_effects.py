@@ -1,0 +1,105 @@
+"""Drivers and forces of machines in space, with the names of those in the plane."""
+
+from typing import Any, Literal
+
+import sympy
+
+from codegen.declare.element import Constraint, Effect, label
+from codegen.declare.space_body import SpaceBody, SpacePoint, Three
+from codegen.elements.space.drivers import PointDriverInSpace
+from codegen.elements.space.forces import (
+    ForceInSpace,
+    GravityInSpace,
+    TorqueInSpace,
+    TorsionSpringInSpace,
+)
+from codegen.elements.space.joints import JointInSpace
+from codegen.model.base import declares
+from codegen.model.forces import Characteristic
+from codegen.model.model import Model
+from codegen.readers.values import shown
+
+Place = SpacePoint | SpaceBody  # a body means its centre of mass, or its place at the drawing
+
+
+class SpaceEffects(Model):
+    """Drivers and forces of a declaration in space."""
+
+    @declares(GravityInSpace)
+    def gravity(self, name: str, g: Three) -> Effect:  # type: ignore[override]
+        """Uniform gravity (g_x, g_y, g_z), m/s², on every body of the scene."""
+
+    def rotation_driver(self, name: str, joint: Constraint, law: Any) -> Constraint:  # type: ignore[override]
+        """The angle of a revolute or cylindrical joint follows a law of the time, rad.
+
+        Its reaction is the torque on the joint's second body about the axis, N m.
+        """
+        return self.driver(name, self._of_joint(name, joint, "angle"), law)
+
+    def translation_driver(self, name: str, joint: Constraint, law: Any) -> Constraint:  # type: ignore[override]
+        """The slide of a cylindrical or translational joint follows a law of the time, m.
+
+        Its reaction is the force on the joint's second body along the axis, N.
+        """
+        return self.driver(name, self._of_joint(name, joint, "slide"), law)
+
+    @declares(PointDriverInSpace, point="on")
+    def point_driver(  # type: ignore[override]
+        self, name: str, on: Place, letter: Literal["x", "y", "z"], law: Any
+    ) -> Constraint:
+        """A point of a body follows a law of the time along a global axis, m."""
+
+    def torsion_spring(  # type: ignore[override]
+        self, name: str, joint: Constraint, stiffness: Any = 0, free_angle: Any = 0,
+        damping: Any = 0, actuator: Any = 0, torque: Characteristic | None = None,
+        preload: Any = 0,
+    ) -> Effect:  # fmt: skip
+        """A spring, damper and actuator of a joint's angle: n = k (θ - θ0) + N0 + c θ̇ + N.
+
+        Parameters
+        ----------
+        joint
+            A revolute or cylindrical joint; n acts on its first body, -n on its second.
+        stiffness, free_angle, damping, actuator, torque, preload
+            As in the plane.
+        """
+        element: Effect = self._element(
+            TorsionSpringInSpace, {"law": "torque"}, name=name, stiffness=stiffness,
+            angle=self._of_joint(name, joint, "angle"), free_angle=free_angle, damping=damping,
+            actuator=actuator, torque=torque, preload=preload,
+        )  # fmt: skip
+        return self._declare(element)
+
+    @declares(ForceInSpace, point="on")
+    def force(  # type: ignore[override]
+        self, name: str, on: Place, value: Three, frame: Literal["ground", "body"] = "ground"
+    ) -> Effect:
+        """A force (fx, fy, fz) in N at a point of a body.
+
+        Parameters
+        ----------
+        on
+            The point at which it acts; a body means its centre of mass.
+        value
+            In N, any expressions of t, q, q̇ and parameters.
+        frame
+            ``"ground"`` for global axes, ``"body"`` for those of the body.
+        """
+
+    @declares(TorqueInSpace, body="on")
+    def torque(  # type: ignore[override]
+        self, name: str, on: SpaceBody, value: Three, frame: Literal["ground", "body"] = "ground"
+    ) -> Effect:
+        """A torque (tx, ty, tz) in N m on a body; words as of `force`."""
+
+    def _of_joint(self, name: str, joint: Any, letter: str) -> Any:
+        """A coordinate of a joint; 1 stands in for one that there is not."""
+        if isinstance(joint, JointInSpace) and self.joints.get(joint.name) is joint:
+            return getattr(joint, letter)
+        what = label(joint) if isinstance(joint, Constraint | SpaceBody) else shown(joint)
+        one, like = ("an", "revolute") if letter == "angle" else ("a", "translational")
+        self._note(
+            f"'{name}': {what} is no joint of '{self.name}' with {one} {letter}; give what "
+            f"model.{like}(...) or model.cylindrical(...) returned."
+        )
+        return sympy.S.One
