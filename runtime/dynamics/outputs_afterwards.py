@@ -79,7 +79,9 @@ def joint_wrench(result: Result, joint: str, on: str, at: Any, axes: str) -> Flo
         raise InputError(f"{about.title}: {unknown('joint or driver in space', joint, known)}")
     if not about.has_masses:
         raise InputError(about.need_masses(f"wrench({joint})"))
-    rows = [k for k, name in enumerate(joints) if name == joint]
+    counted = [k for k, name in enumerate(names) if name.startswith(f"{joint}.")]  # by own rows
+    counting = about.jacobian_rows[np.isin(about.jacobian_columns, counted)]
+    rows = [k for k, name in enumerate(joints) if name == joint and k not in counting]
     if np.isnan(lam[:, rows]).all():  # no output of the scene asks for them
         lam = result._afterwards[0][-1].lam
     forces = np.zeros_like(q)
@@ -89,7 +91,8 @@ def joint_wrench(result: Result, joint: str, on: str, at: Any, axes: str) -> Flo
     owners = {names[k].rpartition(".")[0] for k in columns}
     acting = [body for body in bodies if body in owners]
     if on not in ("ground", *acting):
-        raise InputError(f"{about.title}: '{joint}' acts on {', '.join(acting)}, not on '{on}'.")
+        where = ", ".join(acting) or "coordinates of joints, and its reaction says how"
+        raise InputError(f"{about.title}: '{joint}' acts on {where}, not on '{on}'.")
     places = {body: q[:, k : k + 3] for body in acting for k in [names.index(f"{body}.x")]}
     places["ground"] = force = torque = np.zeros((len(q), 3))
     for body in acting if on == "ground" else (on,):

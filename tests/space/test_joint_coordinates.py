@@ -88,6 +88,9 @@ def test_the_drive_exerts_the_torque_and_the_hinge_none(workshop: Path) -> None:
     found = machine.inverse_dynamics(1.0, count + 1, progress=False)
     assert_allclose(found.reaction("drive", "torque")[:-1], torques, rtol=0.0, atol=1e-11)
     assert_allclose(found.reaction("A", "tx"), 0.0, rtol=0.0, atol=1e-13)
+    assert_allclose(found.wrench("A", "crank")[:, 3], 0.0, rtol=0.0, atol=1e-13)
+    with pytest.raises(InputError, match="'drive' acts on coordinates of joints"):
+        found.wrench("drive", "crank")
     fine = machine.inverse_dynamics(1.0, 1001, progress=False)
     extremes = (f(fine.reaction("drive", "torque")) for f in (np.min, np.max))
     assert [*extremes] == pytest.approx([-0.298, 0.203], abs=1e-3)
