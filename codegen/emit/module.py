@@ -30,7 +30,7 @@ Unroll = Literal["auto", "always", "never"]
 LONGEST = 6000  # measured: statements of the longest module that is written out without loops
 SHORTEST = 100  # measured: statements up to which a kernel is written out in any module
 GAIN = 0.6  # measured: largest ratio of a kernel's statements with loops to those without
-LONGEST_KERNEL = 3000  # measured: statements beyond which a kernel is computed in batches
+LONGEST_KERNEL = 12_000  # measured: statements beyond which a kernel is computed in batches
 
 KernelTexts = list[KernelText | RolledKernelText]
 

@@ -65,8 +65,11 @@ def inverse_mass_ratio(scene: SceneGraph) -> float:
     ratios = [max(group) / min(group) for group in groups.values()]
     for i, row in _felt_slopes(scene, system).items():
         try:
-            felt = [s**2 / inertia[k] for k, s in row.items() if k in inertia]
-            ratios.append(max(felt) / min(felt) if felt else 1.0)
+            felt: dict[object, float] = {}
+            for k in sorted(row.keys() & inertia.keys()):  # of a body in space all axes together
+                of = (system.owners[k], system.units[k]) if scene.turns else k
+                felt[of] = felt.get(of, 0.0) + row[k] ** 2 / inertia[k]
+            ratios.append(max(felt.values()) / min(felt.values()) if felt else 1.0)
         except ArithmeticError:  # beyond the largest float, or nearer to 0 than the smallest
             ratios.append(math.inf)
         if not math.isfinite(ratios[-1]):

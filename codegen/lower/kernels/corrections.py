@@ -20,6 +20,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from codegen.lower.graph import Graph
+from codegen.lower.kernels.turning_correction import changes_by_turns
 from codegen.lower.linear.factorization import Entries
 from codegen.lower.linear.least_change import NormalEquations, NullSpace, solve_by_multipliers
 from codegen.lower.linear.sparse_row_elimination import (
@@ -146,7 +147,7 @@ class Square(SparseRows):
     ) -> list[list[int]]:
         graph, size = self.graph, len(chosen)
         rows = [{k: x for k, x in enumerate(row) if x != graph.zero} for row in a]
-        weights = dict.fromkeys(range(size), graph.one)
+        weights = {k: {k: graph.one} for k in range(size)}
         solutions, checks = solve_by_multipliers(graph, rows, weights, right, Labels())
         self.checks += [check._replace(constraint=chosen[check.constraint]) for check in checks]
         return [[x[k] for k in range(size)] for x in solutions]
@@ -160,6 +161,10 @@ def correction(scene: SceneGraph) -> Kernel:
     """The kernel of a scene in all its coordinates."""
     equations, stated = (scene.graph, scene.jacobian, scene.phi, scene.nu), scene.stated
     kernel = least_correction(*equations, scene.v, scene.w, scene.names, scene.rows)
+    if scene.turns and scene.m < scene.n:
+        with scene.graph.serving("correction"), scene.graph.cancelling():
+            by_turns = _kernel(scene.names, *changes_by_turns(scene))
+        kernel = cheapest(scene.graph, [by_turns, kernel])
     checks = (check._replace(constraint=stated[check.constraint]) for check in kernel.checks)
     return replace(kernel, checks=tuple(checks))
 

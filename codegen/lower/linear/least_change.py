@@ -190,14 +190,15 @@ class NormalEquations(SparseRows):
         self.labels = Labels(names, sides, unknowns, "S")
         self.labels.step("The matrix and the right sides")
         right = [[column[i] for i in left] for column in self.right]
-        weights = dict(enumerate(task.weights))
+        weights = task.blocks or {k: {k: w} for k, w in enumerate(task.weights)}
         matrix = [self._rows[i] for i in left]
-        solved, checks = solve_by_multipliers(graph, matrix, weights, right, self.labels)
+        given = graph, matrix, weights, right, self.labels, task.changes
+        solved, checks = solve_by_multipliers(*given)
         self.checks += [check._replace(constraint=left[check.constraint]) for check in checks]
         changes = []
         for column, sums in enumerate(solved):
             sums |= {k: right[column] for k, _, right in self._eliminated}
-            changes.append([sums.get(k, graph.zero) for k in weights])
+            changes.append([sums.get(k, graph.zero) for k in task.changes or weights])
         return changes
 
     def _determines(self, row: Row) -> bool:
@@ -206,12 +207,14 @@ class NormalEquations(SparseRows):
 
 
 def solve_by_multipliers(
-    graph: Graph, rows: Sequence[Row], weights: Mapping[int, int], right: list[list[int]],
-    labels: Labels,
+    graph: Graph, rows: Sequence[Row], weights: Mapping[int, Row], right: list[list[int]],
+    labels: Labels, changes: Mapping[int, Row] | None = None,
 ) -> tuple[list[Row], list[Check]]:  # fmt: skip
     """x = W Aᵀ μ, A W Aᵀ μ = r, with positive pivots in any position that is not singular.
 
-    Returns column → value, one a right side, and the pivots to watch, by the number of the row.
+    `weights` has the rows of W. Returns column → value, one a right side, and the pivots to watch,
+    by the number of the row. Of `changes`, unknown → its row of a matrix in the place of W before
+    Aᵀ μ, these unknowns are returned.
     """
     entries: dict[tuple[int, int], int] = {}
     users: dict[int, list[int]] = {}  # column → rows that contain it
@@ -220,12 +223,13 @@ def solve_by_multipliers(
             users.setdefault(k, []).append(a)
     for a, row in enumerate(rows):
         weighted: Row = {}  # by column, once it is needed
-        for b in sorted({a, *(b for k in row for b in users[k] if b > a)}):
+        around = dict.fromkeys(k for j in row for k in weights[j])
+        for b in sorted({a, *(b for k in around for b in users.get(k, ()) if b > a)}):
             other, terms = rows[b], []
-            for k, x in row.items():
+            for k in around:
                 if k in other:
                     if k not in weighted:
-                        weighted[k] = graph.mul(x, weights[k])
+                        weighted[k] = _product(graph, weights[k], row)
                     terms.append(graph.mul(weighted[k], other[k]))
             entries[a, b] = entries[b, a] = graph.total(terms)
             labels.entry(entries[a, b], a, b)
@@ -241,5 +245,11 @@ def solve_by_multipliers(
         for row, mu in zip(rows, column, strict=True):
             for k, entry in row.items():
                 sums[k] = graph.add(sums.get(k, graph.zero), graph.mul(entry, mu))
-        solutions.append({k: graph.mul(weights[k], pull) for k, pull in sums.items()})
+        given = changes or {k: weights[k] for k in sums}
+        solutions.append({k: _product(graph, of, sums) for k, of in given.items()})
     return solutions, system.checks
+
+
+def _product(graph: Graph, one: Row, other: Row) -> int:
+    """The product of two rows."""
+    return graph.total([graph.mul(x, other[k]) for k, x in one.items() if k in other])

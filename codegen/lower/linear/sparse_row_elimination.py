@@ -4,8 +4,8 @@ An entry of Φ_q that is a number gives a coordinate by a constraint in every po
 come first, whichever way the rows that are left are solved.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from itertools import combinations
 
@@ -29,6 +29,9 @@ class Task:
     rows: Sequence[str] = ()  # names of the constraints
     stems: Sequence[str] = ()  # how names of each right side begin
     unknowns: Sequence[Sequence[str]] = ()  # names of each solution's entries
+    # where W is no diagonal: column → its row of W; unknown → its row of what gives it from Φ_qᵀ μ
+    blocks: Mapping[int, Row] = field(default_factory=dict)
+    changes: Mapping[int, Row] = field(default_factory=dict)
 
     def labels(self, names: Sequence[str]) -> Labels:
         """Names for a solution whose steps are called after coordinates or constraints."""
