@@ -257,6 +257,7 @@ def test_the_library_is_translated(root: Path, monkeypatch: pytest.MonkeyPatch) 
 def test_kernels_in_batches_are_translated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Machines without a period, whose kernels are loops over spans of a table."""
     monkeypatch.setattr(kernels, "object_code", str.encode)
+    monkeypatch.setattr("codegen.emit.module.LONGEST_KERNEL", 3000)
     text = module_text(lowered("tree", 5), Origin("linkwright", (), "0" * 64, "build"))
     assert re.search(r"for k in range\(.+, .+\):", text)
     path = tmp_path / "tree__fall.py"
