@@ -1,7 +1,8 @@
 """Random mechanisms in space against the dense equations: `python -m ... spatial_campaign 0 300`.
 
 Every machine is built, compiled and run. At each sample accelerations and reactions are compared
-with Newton's and Euler's equations in the same state, and the motion with the dense motion.
+with Newton's and Euler's equations in the same state, and the motion with the dense motion. With
+`--statics` nothing is compiled or run: the interpreter evaluates the kernels at some states.
 """
 
 import tempfile
@@ -16,9 +17,7 @@ from codegen.errors import LinkwrightError
 from runtime import load
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
-from runtime.mechanism.spins import spins
 from runtime.results.result import Result
-from tests.random_mechanisms import spatial_parts as parts
 from tests.random_mechanisms.seed_range import run_campaign
 from tests.random_mechanisms.spatial_constraints import SpatialState
 from tests.random_mechanisms.spatial_declaration import coordinates, declare
@@ -28,12 +27,11 @@ from tests.random_mechanisms.spatial_generator import (
     random_spatial_mechanism,
 )
 from tests.random_mechanisms.spatial_motion import motion
+from tests.random_mechanisms.spatial_statics import MET, Statics, differences
 
-MET = 1e-9  # of accelerations and reactions in a state that both are given
 MOTION = 1e-6  # m, and of entries of rotation matrices
 METHODS = {"dop853": 1e-11, "radau5": 1e-10, "bdf": 1e-9}  # with their tolerances
 SAMPLES = 4
-WRENCH = ("fx", "fy", "fz", "tx", "ty", "tz")
 
 
 @dataclass(frozen=True)
@@ -119,37 +117,12 @@ class Comparison:
 
     def _apart(self, result: Result, k: int, state: SpatialState, a: Any) -> Iterator[float]:
         """Differences of accelerations and wrenches, and what is missing in Newton's law."""
-        t = float(result.t[k])
-        solved = self.dense.solve(state, t)
         p = result.samples.q[k, : a.size].reshape(-1, 7)[:, 3:]
-        spin = spins(p, a[:, 3:])
-        size = max(1.0, float(np.abs([solved.r, solved.w]).max()))
-        yield float(np.abs(a[:, :3] - solved.r).max()) / size
-        yield float(np.abs(spin - solved.body_w).max()) / size
-        e = solved.system
-        accelerations = np.concatenate([solved.r, solved.w], axis=1).ravel()
-        missing = (e.mass @ accelerations - e.force).reshape(-1, 6)
-        largest = max(1.0, float(np.abs(e.jacobian.T @ solved.lam).max()))
-        for joint in self.mechanism.joints:
-            if isinstance(joint, parts.DRIVERS):
-                force = float(result.reaction(joint.name, "force")[k])
-                row = self.dense.layout.rows[joint.name].start
-                missing -= force * e.jacobian[row].reshape(-1, 6)
-                if self._determined(joint, state, solved).all():
-                    effort = self.dense.effort(joint.name, solved)
-                    largest = max(largest, abs(effort))
-                    yield abs(force - effort) / largest
-                continue
-            known = self.dense.reaction(joint.name, state, solved)
-            wrench = np.array([result.reaction(joint.name, c)[k] for c in WRENCH])
-            expected = np.concatenate([known.force, known.torque])
-            largest = max(largest, float(np.abs(wrench).max()))
-            yield float(np.abs((wrench - expected)[known.determined]).max(initial=0.0)) / largest
-            for body, sign in ((joint.j, 1.0), (joint.i, -1.0)):
-                if body != parts.GROUND:
-                    moment = wrench[3:] + np.cross(known.point - state.r[body], wrench[:3])
-                    missing[body] -= sign * np.concatenate([wrench[:3], moment])
-        yield float(np.abs(missing).max()) / largest
+
+        def reaction(joint: str, letter: str) -> float:
+            return float(result.reaction(joint, letter)[k])
+
+        return differences(self.dense, state, float(result.t[k]), p, a, reaction)
 
 
 def methods_of(seed: int) -> tuple[str, ...]:
@@ -174,5 +147,17 @@ def judge(seed: int) -> tuple[tuple[str, ...], str]:
     return tuple(c for verdict in verdicts for c in verdict.complaints), about
 
 
+def judge_statics(seed: int) -> tuple[tuple[str, ...], str]:
+    """Complaints about the lowered equations of a machine, and what it is."""
+    machine = random_spatial_mechanism(seed)
+    about = f"; {machine.family} {machine.driven} {list(machine.loops)} {machine.redundant}"
+    try:
+        statics = Statics(machine)
+    except LinkwrightError as error:
+        return (f"{type(error).__name__}: {str(error)[:600]}",), about
+    states = statics.states(SAMPLES)
+    return tuple(statics.complaints(states)), f"{about}; {len(states)} states"
+
+
 if __name__ == "__main__":
-    run_campaign(__doc__, judge)
+    run_campaign(__doc__, judge, statics=judge_statics)

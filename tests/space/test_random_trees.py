@@ -12,7 +12,7 @@ from tests.random_mechanisms.spatial_declaration import coordinates, declare
 from tests.random_mechanisms.spatial_dynamics import SpatialDense
 from tests.random_mechanisms.spatial_generator import random_spatial_mechanism
 from tests.random_mechanisms.spatial_motion import motion
-from tests.random_mechanisms.test_spatial_kernels import counted
+from tests.random_mechanisms.spatial_statics import counted
 
 
 @pytest.mark.parametrize("seed", [3, 4])
