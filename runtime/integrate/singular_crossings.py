@@ -202,13 +202,8 @@ class Crossings:
         error = float(r["error"])
         assert position is not None
         if r["t"] > position.t:
-            t, shares = self._instant(position), position.rows.tolist()
-            largest = max(shares)
-            large = [row for row, share in enumerate(shares) if share > _LARGE * largest]
-            rows = tuple(sorted(large, key=lambda row: shares[row] < largest))
-            # A position in which a run starts, or that lies before its start, is not passed in it.
-            if t > self.began + self.steps.rounding(position.q) / position.speed:
-                self.passed.append(Crossing(t, rows, position.lost, position.direction, error))
+            if r["t"] > self.before[0]:  # or it was refused, and began behind the position
+                self._record_crossing(position, error)
             r["plan"], r["quiet"] = _LEAVING, r["t"] + r["length_across"]
             r["lent_until"] = r["quiet"]
             r["permitted"] = 1.0
@@ -231,6 +226,15 @@ class Crossings:
             return self._end(Site.STEPS_ACROSS, position)
         ahead = position.t - float(r["t"])
         return _GOING if self._approach(position, ahead) else self._cross()
+
+    def _record_crossing(self, position: Singularity, error: float) -> None:
+        """Remember a position that is passed, unless a run starts in it, or behind it."""
+        t, shares = self._instant(position), position.rows.tolist()
+        largest = max(shares)
+        large = [row for row, share in enumerate(shares) if share > _LARGE * largest]
+        rows = tuple(sorted(large, key=lambda row: shares[row] < largest))
+        if t > self.began + self.steps.rounding(position.q) / position.speed:
+            self.passed.append(Crossing(t, rows, position.lost, position.direction, error))
 
     def _end(self, site: Site, position: Singularity | None = None) -> int:
         """End the run; without a position the constraint that the loop named stays."""

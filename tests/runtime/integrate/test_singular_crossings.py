@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from runtime.core.loop_record import Plan
 from runtime.core.workspace_rows import K
 from runtime.integrate.crossing_step_planning import (
     CrossingSteps,
@@ -72,6 +73,17 @@ def test_without_a_kernel_of_the_constraints_nothing_is_looked_for():
     crossings = Crossings(state, problem)
     assert state.record["quiet"] == np.inf
     assert not crossings.prepare_start()
+
+
+def test_a_step_that_is_refused_behind_a_position_passes_nothing():
+    state, _, problem = run_with("dop853")
+    crossings, r = Crossings(state, problem), state.record
+    crossings.position, r["t"] = position()._replace(due=np.nan), 1.5
+    crossings.before = crossings._start_state()
+    r["plan"], r["error"], r["length_across"] = Plan.CROSSING, 1e6, 0.25
+    assert crossings.decide() == Signal.GOING
+    assert crossings.passed == []
+    assert (r["plan"], r["quiet"]) == (Plan.LEAVING, 1.75)
 
 
 METHOD = find_method("dop853")
