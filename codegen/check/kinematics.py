@@ -28,7 +28,7 @@ TOLERANCE = 1e-8
 # safety: positions about the start that are tried, so that a singular start is not redundancy
 PROBES = 3
 # measured: of the machine's size, distances of a probe from the start; nearer ones where its joints
-# do not close, as those of a redundant loop in space that was turned too far
+# do not close
 DISTANCES = (0.1, 0.03, 0.01)
 FREEDOMS = 3  # formula: of a body in the plane; in space twice as many
 
@@ -52,7 +52,8 @@ class Findings(NamedTuple):
 def examine(model: Model, equations: Equations, lowered: Lowered) -> Findings:
     """Look for constraints that are too many near the start values."""
     rows = [(c, row) for c in equations.constraints for row in c.statement.rows]
-    numbers = tuple(_least_dependent(Poses(lowered))) if rows else ()
+    kept = np.array([float(not c.driver) for c, _ in rows])
+    numbers = tuple(_least_dependent(Poses(lowered), kept)) if rows else ()
     dependent = [rows[i] for i in numbers]
     positions = len(equations.coordinates) - len(equations.states)
     found = Findings(positions, len(rows), numbers)
@@ -82,38 +83,49 @@ def examine(model: Model, equations: Equations, lowered: Lowered) -> Findings:
     return found._replace(notes=(note,))
 
 
-def _least_dependent(poses: Poses) -> list[int]:
+def _least_dependent(poses: Poses, kept: Array) -> list[int]:
     """The rows that depend on earlier ones where they are fewest.
 
     Of as many, the last ones: at a singular position an earlier row depends on others by chance.
-    A probe without any is the last one.
+    A probe without any is the last one. `kept`, (m,), is 0 for the rows of drivers: what they hold
+    in place moves in a probe.
     """
-    probes, start = [], poses.start()
-    near = poses.guess if start is None else start[0]
-    for k in range(PROBES):
-        probes.append(_dependent_rows(_jacobian_near(poses, near, k)))
+    probes = []
+    for jacobian in _jacobians_near_start(poses, kept):
+        probes.append(_dependent_rows(jacobian))
         if not probes[-1]:
             break
     return min(probes, key=lambda rows: (len(rows), [-i for i in rows]))
 
 
-def _jacobian_near(poses: Poses, near: Array, probe: int) -> Any:
-    """Φ_q in units of the machine's size, where the constraints hold; sparse for a large machine.
+def _jacobians_near_start(poses: Poses, kept: Array) -> Iterator[Any]:
+    """Φ_q in units of the machine's size, at positions of the motion; sparse for a large machine.
 
-    Where they do not, the position that comes nearest is singular, as a rod that is stretched after
-    what it cannot reach: Φ_q is that of the place where the search began.
+    A loop in space has its redundant rows only where it closes. Where the start does not, the
+    position that comes nearest may be singular, as a rod that is stretched after what it cannot
+    reach: then Φ_q is that of places where a search begins.
     """
-    random = np.random.default_rng(probe)
-    away = poses.unit * random.standard_normal(len(near))
-    begins = [near + size * away for size in DISTANCES] if probe else [near]
-    for begin in begins:
-        q, jacobian = poses.closed_near(begin)
-        if poses.holds(q):
-            break
-    else:
-        jacobian = poses.scaled(poses.jacobian(begins[0]), poses.unit)
+    start = poses.start() or poses.start(kept)
+    near, jacobian = start or (poses.guess, poses.scaled(poses.jacobian(poses.guess), poses.unit))
+    yield _finite(jacobian)
+    for k in range(1, PROBES):
+        away = np.random.default_rng(k).standard_normal(len(near))
+        if start:
+            away = poses.allowed(jacobian, away, kept)
+        begins = [near + size * poses.unit * away for size in DISTANCES]
+        places = (poses.closed_near(begin, kept=kept) for begin in begins)
+        found = next((by for q, by in places if poses.holds(q, kept)), None)
+        if found is None and not start:
+            found = poses.scaled(poses.jacobian(begins[0]), poses.unit)
+        if found is not None:
+            yield _finite(found)
+
+
+def _finite(jacobian: Any) -> Any:
+    """The matrix; one of random numbers in its place where a number is not finite."""
     if is_finite(jacobian):
         return jacobian
+    random = np.random.default_rng(0)
     if isinstance(jacobian, np.ndarray):
         return random.standard_normal(jacobian.shape)
     jacobian.data = random.standard_normal(jacobian.data.size)

@@ -113,8 +113,7 @@ class Poses:
 
         `kept`, (m,), is 1 for the constraints that must hold, as above.
         """
-        closed, ones = self.start(kept), np.ones(len(self.guess))
-        rows_kept = np.ones(len(self.description.constraints)) * kept
+        closed = self.start(kept)
         if closed is None:
             return []
         start, jacobian = closed
@@ -122,8 +121,7 @@ class Poses:
         for way in (1.0, -1.0):
             q, rows, ahead = start, jacobian, way * direction
             for _ in range(_WALK):
-                rows = self.scaled(rows, ones, rows_kept)
-                ahead = ahead - _least_norm(rows, rows @ ahead, 1e-6)
+                ahead = self.allowed(rows, ahead, kept)
                 length = float(np.linalg.norm(ahead))
                 if length < _CLOSED:
                     break
@@ -133,6 +131,12 @@ class Poses:
                     break
                 found.append(q)
         return found
+
+    def allowed(self, jacobian: Any, ahead: Array, kept: Array | float = 1.0) -> Array:
+        """The part of a displacement that joints allow whose Φ_q is this one, in these units."""
+        rows = np.ones(len(self.description.constraints)) * kept
+        slopes = self.scaled(jacobian, np.ones(len(ahead)), rows)
+        return ahead - _least_norm(slopes, slopes @ ahead, 1e-6)
 
     def values(self, graph: Graph, numbers: Sequence[int], q: Array) -> Array:
         """Values of a graph at a position; nan throughout where they are undefined."""
