@@ -122,7 +122,8 @@ class Comparison:
         def reaction(joint: str, letter: str) -> float:
             return float(result.reaction(joint, letter)[k])
 
-        return differences(self.dense, state, float(result.t[k]), p, a, reaction)
+        rows = self.loaded.description.reactions
+        return differences(self.dense, state, float(result.t[k]), p, a, rows, reaction)
 
 
 def methods_of(seed: int) -> tuple[str, ...]:

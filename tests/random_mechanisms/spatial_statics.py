@@ -5,7 +5,7 @@ the build found of redundant rows: at the drawing, on the motion, and elsewhere 
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -50,11 +50,12 @@ def counted(dense: SpatialDense, state: SpatialState, solved: SpatialSolution) -
 
 def differences(
     dense: SpatialDense, state: SpatialState, t: float, p: Any, a: Any,
-    reaction: Callable[[str, str], float],
+    rows: Sequence[Any], reaction: Callable[[str, str], float],
 ) -> Iterator[float]:  # fmt: skip
     """Of accelerations (n, 7) and of wrenches and forces, and what is missing in Newton's law.
 
-    Parts of the largest value, or of 1. `p` are the Euler parameters, (n, 4).
+    Parts of the largest value, or of 1. `p` are the Euler parameters, (n, 4), and `rows`
+    are those of the module's reactions.
     """
     solved = dense.solve(state, t)
     spin = spins(p, a[:, 3:])
@@ -68,8 +69,8 @@ def differences(
     for joint in dense.mechanism.joints:
         known = dense.reaction(joint.name, state, solved)
         if isinstance(joint, parts.DRIVERS):
-            turns = isinstance(joint, parts.AngleDriver)
-            force = reaction(joint.name, "torque" if turns else "force")
+            (component,) = (row[1] for row in rows if row[0] == joint.name)
+            force = reaction(joint.name, component)
             row = dense.layout.rows[joint.name].start
             missing -= force * e.jacobian[row].reshape(-1, 6)
             if known.determined.all():
@@ -147,9 +148,10 @@ class Statics:
         p, rates = (x[:bodies].reshape(-1, 7)[:, 3:] for x in (q, v))
         norm = np.abs(np.sum(p * a[:, 3:] + rates**2, axis=1)).max()  # of p, twice differentiated
         values = written("reactions")["out"]
-        named = {row[:2]: k for k, row in enumerate(self.lowered.description.reactions)}
+        rows = self.lowered.description.reactions
+        named = {row[:2]: k for k, row in enumerate(rows)}
 
         def reaction(joint: str, letter: str) -> float:
             return float(values[named[joint, letter]])
 
-        return max(phi, norm, own_apart, *differences(self.dense, state, t, p, a, reaction))
+        return max(phi, norm, own_apart, *differences(self.dense, state, t, p, a, rows, reaction))
