@@ -319,6 +319,11 @@ def dotted(symbol: sympy.Symbol) -> str:
     return owner if is_state else f"{owner}.{letter}" if owner else letter
 
 
+def owners(expression: sympy.Basic) -> set[str]:
+    """Names of what has the coordinates and velocities in an expression."""
+    return {s.name.rpartition("_")[0] for s in kinds(expression, Coordinate, Velocity)}
+
+
 def rate(s: sympy.Expr) -> sympy.Expr:
     """ds/dt = s_q q̇ + s_t."""
     slopes = (sympy.diff(s, q) * q.rate for q in kinds(s, Coordinate))

@@ -221,9 +221,10 @@ class DistanceDriver(Driver):
     def conditions(self) -> Conditions:
         """A law that is positive at t = 0, as far as can be told."""
         law = str(self.law).replace("{", "{{").replace("}", "}}")
+        other = "driver" if isinstance(self.i, SpacePoint) else "relative_driver"
         text = (
             f"the law {law} is {{:g}} m at t = 0; a distance stays positive: where two points pass "
-            "each other drive with model.translation_driver or model.relative_driver."
+            f"each other drive with model.translation_driver or model.{other}."
         )
         return (Condition(text, (self.law.subs(t, 0),), open=True),)
 

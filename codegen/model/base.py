@@ -341,8 +341,7 @@ class Declarations:
         return [*(dotted(s) for q in self._coordinates() for s in (q, q.rate)), *self.states]
 
     def _bodies_in(self, *expressions: Any) -> Bodies:
-        symbols = (s for e in expressions for s in sy.kinds(e, sy.Coordinate, sy.Velocity))
-        owners = {s.name.rpartition("_")[0] for s in symbols}
+        owners = {name for one in expressions for name in sy.owners(one)}
         for name in owners & {*self.joints}:
             owners |= {body.name for body in self.joints[name].bodies}
         return tuple(body for name, body in self.bodies.items() if name in owners)

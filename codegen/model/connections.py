@@ -1,14 +1,15 @@
 """Joints of a declaration that are released or engage in the course of a run."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import combinations
 from typing import Any
 
 import sympy
 
 from codegen.declare.element import Constraint
-from codegen.declare.scene import name_of
+from codegen.declare.scene import Scene, name_of
 from codegen.declare.state import Connection
+from codegen.declare.symbols import owners
 from codegen.elements.forces.mass_flow import MASS_LAW
 from codegen.model.base import Declarations
 from codegen.readers.values import nearest, shown
@@ -91,14 +92,26 @@ class Connections(Declarations):
     def _connected_at_first(self) -> tuple[str, ...]:
         return tuple(name for name, one in self.connections.items() if one.acts_first)
 
-    def _present(self, bodies: tuple[str, ...], absent: tuple[str, ...]) -> tuple[str, ...]:
-        """Joints that come and go in a scene with these bodies and without what is absent."""
+    def _present(
+        self, bodies: tuple[str, ...], absent: tuple[str, ...], among: Iterable[str] | None = None
+    ) -> tuple[str, ...]:
+        """Joints `among` others, or that come and go, with these bodies and without the absent."""
         known = {"ground", *bodies}
         return tuple(
             name
-            for name in self.connections
+            for name in (self.connections if among is None else among)
             if name not in absent and {body.name for body in self.joints[name].bodies} <= known
         )
+
+    def _connecting(self, scene: Scene) -> Iterator[sympy.Expr]:
+        """Conditions of joints that a scene watches, and later ones whose joints act by now."""
+        gone = {*self.connections} - {*scene.connected}
+        for name in self._present(scene.bodies, scene.request.without):
+            one = self.connections[name]
+            watched = one.released if name in scene.connected else one.engaged
+            for indicator in filter(None, (one.released, one.engaged)):
+                if indicator is watched or not owners(indicator) & gone:
+                    yield indicator
 
     def _changes(
         self, present: tuple[str, ...], connected: tuple[str, ...]

@@ -33,7 +33,6 @@ from codegen.readers.values import KindError, entries, name_problem, nearest, sh
 
 NONE = "none"  # the fidelity of an effect that a scene does without
 
-
 ALL = ("reactions", "energy", "powers")  # outputs of a scene that names none
 DEFAULT = "default"  # the word for these; of powers those that make a balance with the energies
 DERIVED = ("accelerations", "global_reactions")  # of points; in global axes
@@ -328,13 +327,14 @@ class SceneRequests(MovingBodies, Connections, ExpressionOutputs):
         known, bodies = self._countable, tuple(self.bodies[name] for name in scene.bodies)
         if not known:
             return scene
-        expressions: list[Any] = [one.indicator for one in scene.until]
+        expressions: list[Any] = [*self._connecting(scene), *(u.indicator for u in scene.until)]
         expressions += [one.expression for one in scene.expressions]
         expressions += [e for name in scene.states for e in self.states[name].expressions]
         for effect in self.acting(scene).values():
             with suppress(ModelError):  # reported by `build`
                 expressions += effect_expressions(effect, bodies)
-        for one in (*self.joints.values(), *(self.drivers[name] for name in scene.drivers)):
+        acting = self._present(scene.bodies, scene.inactive_joints, self.joints)
+        for one in [(self.joints | self.drivers)[name] for name in (*acting, *scene.drivers)]:
             with suppress(ModelError):
                 expressions += (*(statement := statement_of(one)).phi, *statement.bindings.values())
         symbols = kinds(Tuple(*expressions), Coordinate, Velocity)

@@ -12,7 +12,7 @@ from codegen.declare.element import Constraint
 from codegen.declare.returned_values import memoize_methods, own_coordinates, place_near
 from codegen.declare.scene import Analysis, Owner, Request, Scene, name_of, written
 from codegen.declare.state import WatchedCondition
-from codegen.declare.symbols import Coordinate, dotted
+from codegen.declare.symbols import Coordinate, dotted, owners
 from codegen.declare.value_reader import NamedValues, Names, Reader, Values
 from codegen.errors import ModelError
 from codegen.model.bodies import Form
@@ -20,7 +20,7 @@ from codegen.model.connections import MOST
 from codegen.model.scene_requests import NONE, ONE, SceneRequests
 from codegen.readers.values import name_problem, nearest, shown
 
-UNCHANGED = ("parameters", "expressions", "until", "frozen", "analysis", "unknown")
+UNCHANGED = ("parameters", "expressions", "frozen", "analysis", "unknown")
 """Fields that a scene takes from its request as they are."""
 
 
@@ -32,8 +32,8 @@ def without_values_of(request: Request, gone: Set[str], renewed: Set[str] = froz
         return tuple((n, x) for n, x, owner in owned if n in renewed or owner not in gone)
 
     asked = ((word, ONE.match(word)) for word in request.outputs or ())
-    owners = ((word, one[2] if one else word.rpartition(".")[0]) for word, one in asked)
-    outputs = tuple(word for word, owner in owners if owner not in gone)
+    named = ((word, one[2] if one else word.rpartition(".")[0]) for word, one in asked)
+    outputs = tuple(word for word, owner in named if owner not in gone)
     return replace(
         request, start=fits(request.start), guess=fits(request.guess),
         outputs=None if request.outputs is None else outputs,
@@ -239,6 +239,7 @@ class Scenes(SceneRequests):
             if e in self.effects and e not in (*acting, *idle)
         ]
         kept = without_values_of(request, gone | rubbing)
+        until = tuple(one for one in request.until if not owners(one.indicator) & gone)
         driving = ({*request.drivers} | {*included}) - {*request.without}
         scene = Scene(
             name=name,
@@ -251,6 +252,7 @@ class Scenes(SceneRequests):
             start=kept.start,
             guess=self._locate_contacts(request.start, absent, kept.guess),
             outputs=kept.outputs,
+            until=until,
             request=request,
             owner=cast(Owner, self),
             **{key: getattr(request, key) for key in UNCHANGED},

@@ -249,6 +249,13 @@ def suited_equations(equations: Equations, start: Assembly) -> Equations:
 def _other_redundancy(description: Description, start: Assembly) -> str:
     """Why a module does not suit the redundant constraints of a run, and what to do."""
     built, table = [description.constraints[k].name for k in description.redundant], start.redundant
+    own = [row.name for row in table if row.name in description.coordinates.names]
+    if own:  # an angle is no function of a pose in which its axes are opposite
+        return (
+            f"{description.title}: the axes of a joint point in opposite directions at the start, "
+            f"where {', '.join(own)} cannot be counted. Give poses of its bodies, at the drawing "
+            "or by guess=, with which they point the same way."
+        )
     return (
         f"{description.title}: with the values of this run {_listed([r.name for r in table])} from "
         f"others, and with those that the module was built with {_listed(built)}. Load "

@@ -85,7 +85,7 @@ def follow(
             _end_at_change(run, Outcome.INCONSISTENT, str(gap))
             return
         except ModelError as error:
-            why = f"{_what_changes(end)}, and the joints that act then permit no motion: {error}"
+            why = f"{_what_changes(end)}, and the joints that act then form no machine: {error}"
             remedy = "Or let another joint be released by the same condition."
             _end_at_change(run, Outcome.INCONSISTENT, f"{why} {remedy}")
             return

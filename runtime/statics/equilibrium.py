@@ -230,8 +230,9 @@ def equilibrium(
         text = f"No equilibrium found. {kink}"
         message = text if kink else _message(description, position, judged, ran)
     moved = zip(description.coordinates, np.abs(position.q - start.q), strict=True)
-    turns = ((turn, row.name[:-4]) for row, turn in moved if row.is_angle and method == "energy")
-    if (turn := max(turns, default=(0.0, "")))[0] > TURNED:
+    turns = ((turn, row.name.rpartition(".")[0]) for row, turn in moved if row.is_angle)
+    turn = max(turns, default=(0.0, ""))
+    if turn[0] > TURNED and method == "energy":
         message += f" {turn[1]} turned by {np.degrees(turn[0]):.0f}° from its guess; another rest "
         message += 'may be nearer: method="settling".'
     result = Equilibrium(
