@@ -11,7 +11,7 @@ own. The angle θ is that by which body j has turned against body i about h sinc
     2 (c Δ_h - s Δ_0) = 2 sin((ψ - θ) / 2) = 0,   c = cos(θ/2), s = sin(θ/2),
 
 Δ the Euler parameters of the turn ψ from f_i to f_j. Its roots are ψ and all whole turns more, and
-no angle of the mirrored closure; its slope by θ is -1 or, where p is -p, 1 in each. The slide is h_iᵀ d.
+no angle of the mirrored closure; its slope by θ is -1 or 1 in each. The slide is h_iᵀ d.
 """
 
 from copy import copy
