@@ -151,6 +151,9 @@ class Statement:
         (row, coordinate) of each own coordinate of the element, such as the parameter of a cam's
         profile at the contact. The coordinate has no mass, and the row determines it: once the rows
         before it are solved, ∂(row)/∂(coordinate) vanishes nowhere on the constraints.
+    facing
+        Letters of the vectors that bodies i and j in space share, constant in both. The equations
+        hold for opposite ones, too; an assembly tells of these.
     """
 
     phi: tuple[sympy.Expr, ...]
@@ -158,6 +161,7 @@ class Statement:
     reaction: JointReaction | WrenchReaction | ConjugateReaction | None
     bindings: dict[sympy.Symbol, sympy.Expr] = field(default_factory=dict)
     own: tuple[tuple[str, Coordinate], ...] = ()
+    facing: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         given_bindings: object = self.bindings

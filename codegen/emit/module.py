@@ -149,7 +149,7 @@ def operation_table(program: Program) -> tuple[tuple[str, int], ...]:
 OPTIONAL = (
     *("folded", "unused", "rigid", "stiction", "shares", "time_functions", "conditions"),
     *("profiles", "peaks", "table_ranges", "states", "sampled", "controllers", "triggers"),
-    *("watched", "together", "unknown", "turning", "redundant"),
+    *("watched", "together", "unknown", "turning", "facing", "redundant"),
 )
 
 NAMES = (

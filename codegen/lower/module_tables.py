@@ -6,13 +6,14 @@ A polynomial, or a polynomial in sines of a t + b, hides nothing between two ste
 so are the pieces of effects, whose conditions are switching functions of the run.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 import sympy
 
+from codegen.declare.space_frame import I, J
 from codegen.declare.symbols import SPEED, Parameter, dotted, t
 from codegen.derive.equations import Equations
 from codegen.derive.piecewise_conditions import as_pieces
@@ -204,6 +205,9 @@ class Description:
     # effects whose values are sought: parameters, whose values a run gives as weights
     unknown: tuple[str, ...]
     turning: tuple[tuple[str, int], ...]  # (body in space, column of e0)
+    # (joint, column of e0 of body i, vector, column of body j, vector) of vectors that bodies in
+    # space share; the ground has the column -1
+    facing: tuple[tuple[Any, ...], ...]
     jacobian: Pattern  # pattern of Φ_q
     independent_jacobian: Pattern | None  # of the independent rows, where some follow from others
     mass: Pattern  # pattern of M
@@ -279,6 +283,7 @@ def describe(
         controllers=tuple(s.name for s in equations.sampled if s.sample is None),
         unknown=named.unknown,
         turning=tuple((body.name, scene.columns[body.p[0]]) for body in equations.turning),
+        facing=tuple(_facing(scene)),
         jacobian=Pattern.of(scene.jacobian),
         independent_jacobian=None
         if independent is scene
@@ -287,6 +292,19 @@ def describe(
         ),
         mass=Pattern.of(scene.mass),
     )
+
+
+def _facing(scene: SceneGraph) -> Iterator[tuple[Any, ...]]:
+    """The vectors that bodies share, joint by joint."""
+    for joint in scene.equations.constraints:
+        bound = joint.statement.bindings
+        for letter in joint.statement.facing:
+            ends = (
+                (scene.columns.get(bound[frame.p[0]], -1),
+                 tuple(float(bound[x]) for x in frame.given(letter)))
+                for frame in (I, J)
+            )  # fmt: skip
+            yield joint.name, *(x for end in ends for x in end)
 
 
 def _kind(switch: Switch) -> str:

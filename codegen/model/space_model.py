@@ -62,9 +62,9 @@ class SpaceModel(SpaceEffects):
         at
             The centre of mass at the drawing, m, where assembly begins.
         axes
-            The body's axes at the drawing: two of them, x' and y', in global numbers; or a rotation
-            vector, whose length is the angle in rad; or Euler parameters, four numbers. By default
-            the global axes.
+            The body's axes at the drawing: two of them, x' and y', in global numbers, of which y'
+            is made perpendicular to x'; or a rotation vector, whose length is the angle in rad; or
+            Euler parameters, four numbers. By default the global axes.
         """
         where = f"body '{name}'"
         m = self._positive(mass, "kg", f"mass of {where}")
@@ -276,15 +276,39 @@ class SpaceModel(SpaceEffects):
         turned = vector if own else rotation_of(body.attitude).T @ vector
         return np.asarray(turned / size)
 
+    def _pair(self, axis: Any, where: str) -> list[Any]:
+        """The direction of an axis for each of two bodies, the same one or two."""
+        given: list[Any] = []
+        with suppress(KindError):
+            given = members(axis)
+        if len(given) == 2:
+            return given
+        if len(given) != 3 or any(isinstance(one, Axis) for one in given):
+            self._note(
+                f"{where} is {shown(axis)}; give three numbers in global axes, or an axis of each "
+                "body, as (i.along(1, 0, 0), j.along(1, 0, 0))."
+            )
+            axis = (1, 0, 0)
+        return [axis, axis]
+
     def _with_axis(
         self, cls: type[Any], name: str, i: Any, j: Any, at: Any, axis: Any
     ) -> Constraint:
         """A joint with an axis; f and g are the most nearly body axes that there are."""
         ends, where = self._ends(name, i, j, at), f"{cls.kind} '{name}': axis"
-        pair = axis if isinstance(axis, tuple) and isinstance(axis[0], Axis) else (axis, axis)
+        pair = self._pair(axis, where)
         h, h_j = (self._in_body(end.body, one, where) for end, one in zip(ends, pair, strict=True))
         f = perpendicular(h)
         of_i, of_j = (rotation_of(end.body.attitude) for end in ends)
+        cosine = float((of_i @ h) @ (of_j @ h_j))
+        if pair[0] is not pair[1] and cosine <= SMALL:
+            bodies = " and ".join(f"'{end.body.name}'" for end in ends)
+            angle = np.degrees(np.arccos(max(-1.0, cosine)))
+            self._note(
+                f"{where}: at the drawing those of {bodies} are {angle:.4g}° apart, and the joint "
+                "may close with opposite ones. Reverse one of the two, or give the attitude of a "
+                "body at the drawing, axes=."
+            )
         f_j = of_j.T @ of_i @ f
         f_j -= h_j * (h_j @ f_j)  # perpendicular to its axis, whatever the drawing is
         size = float(np.linalg.norm(f_j))

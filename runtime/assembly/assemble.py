@@ -17,6 +17,7 @@ from codegen.errors import AssemblyError
 from runtime.assembly import redundancy
 from runtime.assembly.far_starts import note_on_start
 from runtime.assembly.joint_closing import CLOSED, Task, close
+from runtime.assembly.mirrored_joints import mirror_note
 from runtime.assembly.open_joints import (
     contradiction,
     largest_of,
@@ -187,6 +188,7 @@ def _report(
 ) -> Assembly:  # fmt: skip
     """What was assembled, and what became of the start."""
     require_mass(equations.description, np.array([t]), q[None])
+    notes = mirror_note(equations.description, q), note_on_start(equations, t, start, q, scale)
     coordinates, table = equations.description.coordinates, equations.description.constraints
     before, after = np.array([start.q, start.v]), np.array([q, v])
     far = np.abs(after - before) > MOVED * scale * np.maximum(1.0, np.abs(after))
@@ -209,7 +211,7 @@ def _report(
         redundant=tuple(redundant.values()),
         not_unique=tuple(dict.fromkeys(elements[k] for k in findings.undetermined)),
         independent=tuple(k for k in range(len(table)) if k not in redundant),
-        coordinates=coordinates, note=note_on_start(equations, t, start, q, scale),
+        coordinates=coordinates, note=" ".join(filter(None, notes)),
     )  # fmt: skip
 
 

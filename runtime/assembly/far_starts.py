@@ -12,6 +12,7 @@ import numpy as np
 
 from runtime.assembly.start_values import Start
 from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.mechanism.module_tables import Description
 
 TURNED = 0.5 * np.pi  # accuracy: rad; a body that turns by more is far from its guess
 _STAYED = 0.05  # measured: rad; a loop whose bodies all turn by less keeps its form
@@ -32,7 +33,8 @@ def note_on_start(
     is_angle = np.array([letter == "phi" for *_, letter in names], np.bool_)
     turns = np.remainder(q - start.q + np.pi, 2.0 * np.pi) - np.pi
     turned = np.where(is_angle & start.given_q, np.abs(turns), 0.0)
-    if turned.max(initial=0.0) <= _STAYED:
+    in_space = [*_turned_bodies(equations.description, start, q)]
+    if turned.max(initial=0.0) <= _STAYED and not in_space:
         return ""
 
     def said(columns: list[int]) -> str:
@@ -41,15 +43,26 @@ def note_on_start(
             for k in columns
         )
 
-    parts = []
-    if far := np.flatnonzero(turned > TURNED).tolist():
-        parts.append(f"Closing the joints turns by more than a right angle: {said(far)}.")
+    parts, far = [], np.flatnonzero(turned > TURNED).tolist()
+    if far or in_space:
+        bodies = ", ".join(in_space) or said(far)
+        parts.append(f"Closing the joints turns by more than a right angle: {bodies}.")
     for loop in _mirrored_loops(equations, t, start, q, scale):
         angles = [k for k in loop if is_angle[k]]
         if angles and start.given_q[angles].all():
             parts.append(f"A loop closes as the mirror image of its guess: {said(angles)}.")
     advice = "If another position is meant, give guesses nearer to it."
     return " ".join([*parts, advice]) if parts else ""
+
+
+def _turned_bodies(description: Description, start: Start, q: FloatArray) -> Iterator[str]:
+    """The bodies in space that turn by more than a right angle from a given attitude."""
+    for body, first in description.turning:
+        p = slice(first, first + 4)
+        size = float(np.linalg.norm(start.q[p]))
+        half = np.arccos(min(1.0, abs(float(start.q[p] @ q[p])) / size)) if size else 0.0
+        if (start.given_q[p].any() or start.q[first] != 1.0) and 2.0 * half > TURNED:
+            yield f"{body} by {np.degrees(2.0 * half):.1f}°"
 
 
 def _mirrored_loops(

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from codegen.errors import LinkwrightError, ModelError
+from runtime.assembly.mirrored_joints import mirrored_joints
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.joined_runs import Change, joined
 from runtime.dynamics.motion_at_instants import SimulatedMotion
@@ -211,6 +212,12 @@ def _require_closed(
             f"Joint '{open_rows[0][0].element}' is to engage at t = {t:.9g} s, where it is open: "
             f"{', '.join(text for _, text in open_rows)}. Choose a condition under which it closes "
             "by itself, or a joint with fewer constraints."
+        )
+    mirrored = mirrored_joints(equations.description, q, keeping=True)
+    if turned := [joint for joint in mirrored if joint in joints]:
+        raise Gap(
+            f"Joint '{turned[0]}' is to engage at t = {t:.9g} s, where its bodies are turned by half a "
+            "turn against the drawing. Choose another instant, or declare the joint as it engages."
         )
 
 

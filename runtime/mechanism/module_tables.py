@@ -93,6 +93,8 @@ class Description:
     # effects whose values are sought: parameters, whose values a run gives as weights
     unknown: tuple[str, ...] = ()
     turning: tuple[tuple[str, int], ...] = ()  # (body in space, column of its e0)
+    # (joint, column of e0 of body i, -1: ground, vector, column of body j, vector) that they share
+    facing: tuple[tuple[Any, ...], ...] = ()
 
     @cached_property
     def title(self) -> str:

@@ -13,6 +13,7 @@ from codegen.errors import AnalysisError
 from codegen.readers.calls import checked_class
 from runtime.assembly.assemble import assemble
 from runtime.assembly.far_starts import TURNED
+from runtime.assembly.mirrored_joints import mirror_note
 from runtime.assembly.redundancy import redundancy_note, suited_equations
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.checks.finite_results import end_before_infinite
@@ -235,6 +236,8 @@ def equilibrium(
     if turn[0] > TURNED and method == "energy":
         message += f" {turn[1]} turned by {np.degrees(turn[0]):.0f}° from its guess; another rest "
         message += 'may be nearer: method="settling".'
+    if mirrored := mirror_note(description, position.q):
+        message += f" {mirrored}"
     result = Equilibrium(
         description, samples, p, judged=judged, statics=statics, position=position,
         outcome=Outcome.OK if position.balanced and at_rest else Outcome.UNBALANCED,

@@ -83,6 +83,7 @@ class JointInSpace(Constraint):
     phi: ClassVar[tuple[sympy.Expr, ...]]
     rows: ClassVar[tuple[str, ...]]
     countable: ClassVar[tuple[str, ...]] = ()  # letters of the coordinates that it may count
+    facing: ClassVar[tuple[str, ...]] = ()  # letters of the vectors that its bodies share
     name: str
     i: SpacePoint
     j: SpacePoint
@@ -100,7 +101,7 @@ class JointInSpace(Constraint):
         """The equations of its class."""
         of_i, of_j = self.vectors()
         bindings = I.bind(self.i, **of_i) | J.bind(self.j, **of_j)
-        return Statement(self.phi, self.rows, WrenchReaction(J), bindings)
+        return Statement(self.phi, self.rows, WrenchReaction(J), bindings, facing=self.facing)
 
 
 @shared_fields
@@ -108,6 +109,7 @@ class JointWithAxis(JointInSpace):
     """A joint with an axis: f, g and h of body i, f and h of body j."""
 
     counted: ClassVar[tuple[str, ...]] = ()  # letters of the coordinates that a scene asks for
+    facing = ("h",)
     axes: tuple[Three, Three, Three, Three, Three]
 
     def counting(self, letters: tuple[str, ...]) -> Self:
@@ -130,7 +132,7 @@ class JointWithAxis(JointInSpace):
         bindings = stated.bindings | self._drawn | {COUNTED[letter][0]: q for letter, q in own}
         phi = (*self.phi, *(COUNTED[letter][1] for letter in self.counted))
         reaction = WrenchReaction(J, rows=len(self.phi))
-        return Statement(phi, (*self.rows, *self.counted), reaction, bindings, own)
+        return Statement(phi, (*self.rows, *self.counted), reaction, bindings, own, self.facing)
 
     @property
     def _drawn(self) -> dict[sympy.Symbol, sympy.Expr]:
@@ -180,7 +182,7 @@ class TranslationalInSpace(JointWithAxis):
     """
 
     kind = "translational in space"
-    countable = ("slide",)
+    countable, facing = ("slide",), ("h", "f")
     phi = (*ON_LINE, *PARALLEL, G.dot(F_J))
     rows = ("line_f", "line_g", "f", "g", "turn")
 
@@ -193,6 +195,7 @@ class WeldInSpace(JointWithAxis):
     """
 
     kind = "weld in space"
+    facing = ("h", "f")
     phi = (*COINCIDENT, *PARALLEL, G.dot(F_J))
     rows = ("x", "y", "z", "f", "g", "turn")
 
