@@ -152,8 +152,7 @@ class Statement:
         profile at the contact. The coordinate has no mass, and the row determines it: once the rows
         before it are solved, ∂(row)/∂(coordinate) vanishes nowhere on the constraints.
     facing
-        Letters of the vectors that bodies i and j in space share, constant in both. The equations
-        hold for opposite ones, too; an assembly tells of these.
+        Letters of vectors that bodies i and j share; the equations hold for opposite ones, too.
     """
 
     phi: tuple[sympy.Expr, ...]

@@ -140,6 +140,8 @@ class SpaceBody(Body):
     def torque(self, value: Any) -> Loads:
         """Generalized forces of a torque n' in body axes, N m, three numbers."""
         exerted = expressions_in("N m", f"torque of body '{self.name}'", *value)
+        if len(exerted) != 3:
+            raise ModelError(f"torque of body '{self.name}': {shown(value)} is not 3 values.")
         return {q: n for q, n in zip(self.turning, exerted, strict=True) if n != 0}
 
     def at(self, x: Any, y: Any, z: Any) -> "SpacePoint":  # type: ignore[override]

@@ -299,12 +299,9 @@ def _facing(scene: SceneGraph) -> Iterator[tuple[Any, ...]]:
     for joint in scene.equations.constraints:
         bound = joint.statement.bindings
         for letter in joint.statement.facing:
-            ends = (
-                (scene.columns.get(bound[frame.p[0]], -1),
-                 tuple(float(bound[x]) for x in frame.given(letter)))
-                for frame in (I, J)
-            )  # fmt: skip
-            yield joint.name, *(x for end in ends for x in end)
+            i, j = (scene.columns.get(bound[frame.p[0]], -1) for frame in (I, J))
+            of_i, of_j = (tuple(float(bound[x]) for x in frame.given(letter)) for frame in (I, J))
+            yield joint.name, i, of_i, j, of_j
 
 
 def _kind(switch: Switch) -> str:

@@ -235,7 +235,9 @@ class Declarations:
             if word in given:
                 value = self._field(one, word, given[word], where, read)
                 if when is not None and one.metadata.get("gated"):
-                    value = acting_while(value, when)
+                    several = isinstance(value, tuple)
+                    parts = (acting_while(x, when) for x in (value if several else (value,)))
+                    value = tuple(parts) if several else next(parts)
             elif one.name in ("joints", "connections"):
                 value = getattr(self, one.name)  # as it will be, with those declared later
             elif one.name == "on":

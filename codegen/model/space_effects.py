@@ -72,8 +72,9 @@ class SpaceEffects(Model):
 
     @declares(ForceInSpace, point="on")
     def force(  # type: ignore[override]
-        self, name: str, on: Place, value: Three, frame: Literal["ground", "body"] = "ground"
-    ) -> Effect:
+        self, name: str, on: Place, value: Three, frame: Literal["ground", "body"] = "ground",
+        when: Any = None, label: str = "",
+    ) -> Effect:  # fmt: skip
         """A force (fx, fy, fz) in N at a point of a body.
 
         Parameters
@@ -84,12 +85,15 @@ class SpaceEffects(Model):
             In N, any expressions of t, q, q̇ and parameters.
         frame
             ``"ground"`` for global axes, ``"body"`` for those of the body.
+        when, label
+            As in the plane.
         """
 
     @declares(TorqueInSpace, body="on")
     def torque(  # type: ignore[override]
-        self, name: str, on: SpaceBody, value: Three, frame: Literal["ground", "body"] = "ground"
-    ) -> Effect:
+        self, name: str, on: SpaceBody, value: Three, frame: Literal["ground", "body"] = "ground",
+        when: Any = None, label: str = "",
+    ) -> Effect:  # fmt: skip
         """A torque (tx, ty, tz) in N m on a body; words as of `force`."""
 
     def _of_joint(self, name: str, joint: Any, letter: str) -> Any:

@@ -167,6 +167,14 @@ def _velocities(task: Task, start: Start, q: FloatArray) -> FloatArray:
     for _ in range(3):
         if change is not None:
             v[free] -= change((matrix @ v - nu) / task.row_scale) * task.scale[free]
+    given = max(
+        np.abs(start.v / task.scale).max(initial=0.0), np.abs(nu / task.row_scale).max(initial=0.0)
+    )
+    if change is not None and CLOSED * np.abs(v / task.scale).max() > given:
+        v = start.v.copy()
+        dense = slopes.toarray() if equations.is_large else slopes
+        right = (matrix @ v - nu) / task.row_scale
+        v[free] -= np.linalg.lstsq(dense, right, rcond=CLOSED)[0] * task.scale[free]
     gaps = matrix @ v - nu
     most = VELOCITY_CLOSED * max(1.0, float(np.abs(v / task.scale).max(initial=0.0)))
     if np.abs(gaps / task.row_scale).max(initial=0.0) > most:

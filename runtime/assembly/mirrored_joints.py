@@ -1,4 +1,4 @@
-"""Joints in space whose vectors are opposite: their equations, h_i × h_j = 0, hold for these, too."""
+"""Joints in space whose vectors are opposite: h_i × h_j = 0 holds for these, too."""
 
 import numpy as np
 

@@ -23,6 +23,14 @@ _NOISE = 1e-6  # accuracy: of the worst gap; smaller ones are rounding
 def why_open(task: Task, start: Start, q: FloatArray, drivers: BoolArray) -> AssemblyError:
     """The error of joints that do not close; q is where they come nearest to it."""
     require_finite(task.equations, task.t, q, np.zeros_like(q))
+    for body, first in task.equations.description.turning:
+        p = slice(first, first + 4)
+        length = float(np.linalg.norm(start.q[p][start.fixed_q[p]]))
+        if length > 1.0 + CLOSED or (start.fixed_q[p].all() and length < 1.0 - CLOSED):
+            return AssemblyError(
+                f"{task.equations.description.title}: the Euler parameters e0 to e3 of '{body}' "
+                f"must have the length 1; those that the start fixes have {length:.6g}."
+            )
     description, phi = task.equations.description, task.equations.constraints(task.t, q)
     doubled = redundancy.dependent_joints(task, q, drivers)
     if doubled:
@@ -88,11 +96,12 @@ def contradiction(
 ) -> AssemblyError:  # fmt: skip
     """The error of start values that the joints do not allow; their `names` with their units."""
     said = (f"{names[k][0]} = {values[k]:g} {names[k][1]}" for k in np.flatnonzero(fixed))
+    shows = "" if task.equations.description.turning else ", and `linkwright draw` shows the gaps"
     return AssemblyError(
         f"{task.equations.description.title}: the fixed start {fault}. Start says "
         f"{', '.join(said)}; with these {misses}. "
         "Make one of them a guess (guess=), or correct its value. Where a point of a joint may be "
-        "wrong, `linkwright check` looks for it, and `linkwright draw` shows the gaps."
+        f"wrong, `linkwright check` looks for it{shows}."
     )
 
 

@@ -272,6 +272,9 @@ def find_velocities(context: Context, t: float, p: Vector, q: Vector, v: Vector)
     width = fill_rows(context, context.free_v, True)
     if width > 0 and not factor_rows(context.scaled_rows, width, context.lower, NO_PIVOT):
         return False
+    given = 0.0
+    for j in range(v.size):
+        given = max(given, abs(v[j] / context.change_scale[j]))
     for turn in range(4):
         velocity_rhs_of(context)(t, q, p, context.phi)
         for i in range(context.gaps.size):
@@ -286,9 +289,14 @@ def find_velocities(context: Context, t: float, p: Vector, q: Vector, v: Vector)
             )
             move(v, context.move_step, context.free_v, context.change_scale, context.moved)
             copy_vector(context.moved, v)
-    speed = 1.0
+    speed = 0.0
     for j in range(v.size):
         speed = max(speed, abs(v[j] / context.change_scale[j]))
+    for i in range(context.phi.size):
+        given = max(given, abs(context.phi[i] / context.row_scale[i]))
+    if CLOSED * speed > given:  # a coefficient has been divided by that is zero but for rounding
+        return False
+    speed = max(speed, 1.0)
     return largest_magnitude(context.gaps) <= VELOCITY_CLOSED * speed and is_finite(context.gaps)
 
 

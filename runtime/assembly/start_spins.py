@@ -42,12 +42,14 @@ def with_spins(
         step = np.linalg.lstsq((matrix * scale)[:, ~fixed], right - matrix @ v, rcond=1e-12)[0]
         v[~fixed] += scale[~fixed] * step
     gaps = np.abs(matrix @ v - right)
-    if gaps.max(initial=0.0) <= _MET * max(1.0, float(np.abs(right).max(initial=0.0))):
+    most = _MET * max(1.0, float(np.abs(right).max(initial=0.0)))
+    if gaps.max(initial=0.0) <= most:
         return v
-    reached = rows @ v
+    reached, missed = rows @ v, gaps[-len(given) :] > most
     text = ", ".join(
         f"{spin.name} = {spin.value:.6g} rad/s, where {x:.6g} is nearest"
-        for spin, x in zip(given, reached.tolist(), strict=True)
+        for spin, x, told in zip(given, reached.tolist(), missed | ~missed.any(), strict=True)
+        if told
     )
     held = zip(equations.description.coordinates, v.tolist(), fixed.tolist(), strict=True)
     others = [f"{row.velocity} = {x:.6g} {row.velocity_unit}" for row, x, kept in held if kept]

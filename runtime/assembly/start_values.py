@@ -61,7 +61,7 @@ def start_values(
         finite = finite_float(value)
         if name in description.spins and (finite is not None or not kept):
             continue
-        if name not in places:
+        if name not in description.startable:
             what = "coordinate or velocity"
             what = "coordinate, velocity or state" if description.states else what
             counting = description.suggest_counting(str(name))

@@ -216,8 +216,8 @@ def _require_closed(
     mirrored = mirrored_joints(equations.description, q, keeping=True)
     if turned := [joint for joint in mirrored if joint in joints]:
         raise Gap(
-            f"Joint '{turned[0]}' is to engage at t = {t:.9g} s, where its bodies are turned by half a "
-            "turn against the drawing. Choose another instant, or declare the joint as it engages."
+            f"Joint '{turned[0]}' is to engage at t = {t:.9g} s, where its bodies are turned by "
+            "half a turn against the drawing. Choose another instant, or draw it as it engages."
         )
 
 

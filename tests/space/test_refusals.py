@@ -90,6 +90,23 @@ MISTAKES: dict[str, tuple[Callable[[Any], Any], str]] = {
         lambda m: m.revolute("R", m.ground, m.bodies["a"], at=(0, 0, 0), axis=(0, 0, 0)),
         "revolute in space 'R': axis (0, 0, 0) has no direction; give one.",
     ),
+    "no numbers of an axis": (
+        lambda m: m.revolute("R", m.ground, m.bodies["a"], at=(0, 0, 0), axis=()),
+        ("revolute in space 'R': axis is (); give three numbers in global axes, or an axis of each "
+        "body, as (i.along(1, 0, 0), j.along(1, 0, 0))."),
+    ),
+    "axis of one body": (
+        lambda m: m.revolute(
+            "R", m.ground, m.bodies["a"], at=(0, 0, 0), axis=(m.ground.along(*Z),)
+        ),
+        "; give three numbers in global axes, or an axis of each body, as (i.along(1, 0, 0),",
+    ),
+    "three axes": (
+        lambda m: m.revolute(
+            "R", m.ground, m.bodies["a"], at=(0, 0, 0), axis=[m.ground.along(*Z)] * 3
+        ),
+        "; give three numbers in global axes, or an axis of each body, as (i.along(1, 0, 0),",
+    ),
     "axis of another body": (
         lambda m: m.revolute(
             "R", m.ground.at(0, 0, 0), m.bodies["a"].at(0, 0, 0),

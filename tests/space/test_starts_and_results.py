@@ -137,3 +137,43 @@ def test_a_driven_slider_crank_in_kinematics_and_inverse_dynamics(workshop: Path
     rate = forces.power("push")
     exact = np.gradient(forces.energy(), forces.t, edge_order=2)
     assert_allclose(rate[1:-1], exact[1:-1], rtol=0.0, atol=2e-3 * np.abs(rate).max())
+
+
+def start_error(machine: Any, **start: float) -> str:
+    with pytest.raises(AssemblyError) as refusal:
+        machine.assemble(start={f"rod.{name}": value for name, value in start.items()})
+    return str(refusal.value)
+
+
+def test_a_velocity_that_a_hinge_forbids_is_refused(workshop: Path) -> None:
+    """The coefficient of the rate that would have to bring it is rounding."""
+    model = Model("forbidden", space=True)
+    attitude = (0.3, -0.2, 0.5)
+    rod = model.body("rod", 1.0, (0.1, 0.2, 0.25), at=(0.5, 0, 0), axes=attitude)
+    model.revolute("R", model.ground, rod, at=(0, 0, 0), axis=(1, 1, 1))
+    model.scene("s")
+    machine = load(model, folder=workshop)
+    text = start_error(machine, vx=1.0)
+    assert "the fixed start velocities contradict the joints. Start says rod.vx = 1 m/s" in text
+    assert "joint R misses by 1 m/s" in text and "draw" not in text
+    omega = np.array(machine.assemble(start={"rod.vz": 1.0}).v[3:7])
+    assert np.linalg.norm(2 * omega) == pytest.approx(2 * np.sqrt(3))  # v_z = -0.5 ω / √3
+
+
+def test_start_values_that_cannot_be_are_named(machine: Any) -> None:
+    text = start_error(machine, e0=0.8, e1=0.8)
+    assert "the Euler parameters e0 to e3 of 'rod' must have the length 1" in text
+    assert text.endswith("those that the start fixes have 1.13137.")
+    assert "fixes have 0.5." in start_error(machine, e0=0.5, e1=0.0, e2=0.0, e3=0.0)
+    text = start_error(machine, omega_x=float("nan"))
+    assert "Start value rod.omega_x is nan; it must be a finite number." in text
+
+
+def test_a_spin_that_is_not_met_is_named_alone(workshop: Path) -> None:
+    model = Model("spun", space=True)
+    rod = model.body("rod", 1.0, (0.1, 0.2, 0.25), at=(0.5, 0, 0))
+    model.spherical("S", model.ground, rod, at=(0, 0, 0))
+    model.scene("s")
+    text = start_error(load(model, folder=workshop), omega_x=1.0, omega_z=2.0, vy=0.0)
+    assert "rod.omega_z = 2 rad/s, where" in text and "omega_x" not in text
+    assert "fixed are rod.vy = 0 m/s" in text

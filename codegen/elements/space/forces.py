@@ -42,7 +42,7 @@ class ForceInSpace(Effect):
     kind = "force in space"
     name: str
     point: SpacePoint
-    value: Three = quantity(NEWTONS)
+    value: Three = quantity(NEWTONS, gated=True)
     frame: Literal["ground", "body"] = "ground"
 
     def forces(self, bodies: Bodies) -> Loads:
@@ -70,7 +70,7 @@ class TorqueInSpace(Effect):
     kind = "torque in space"
     name: str
     body: SpaceBody
-    value: Three = quantity(TORQUES)
+    value: Three = quantity(TORQUES, gated=True)
     frame: Literal["ground", "body"] = "ground"
 
     def forces(self, bodies: Bodies) -> Loads:
