@@ -268,3 +268,17 @@ def test_the_gap_of_a_link_is_a_difference_of_squares(tmp_path: Path) -> None:
     scene = model.scene("still", start={arm.x: 0.0, arm.y: 0.0, arm.phi: 0.0})
     with pytest.raises(AssemblyError, match=r"joint wire misses by 12 m\^2\."):
         load(model, scene, folder=tmp_path).assemble()
+
+
+@pytest.mark.parametrize(("phi", "velocity"), [(0.0, "vx"), (np.pi / 2, "vy")])
+def test_a_velocity_along_a_bar_is_refused(phi: float, velocity: str, workshop: Path) -> None:
+    """The rate would be divided by a sine or cosine that is zero but for rounding."""
+    model = Model("bar")
+    bar = model.body("b", 1.0, 0.1)
+    model.revolute("R", model.ground.at(0, 0), bar.at(-0.7, 0))
+    model.scene("s", guess={"b.x": 0.6, "b.y": 0.3})
+    machine = load(model, folder=workshop)
+    with pytest.raises(AssemblyError, match=r"contradict the joints.* R misses by 1 m/s"):
+        machine.assemble(start={"b.phi": phi, f"b.{velocity}": 1.0})
+    near = machine.assemble(start={"b.phi": phi + 1e-6, f"b.{velocity}": 1e-6})
+    assert abs(near["b.omega"]) == pytest.approx(1.0 / 0.7, rel=1e-6)

@@ -11,7 +11,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.spatial.transform import Rotation
 from sympy import Piecewise
 
-from codegen import Model
+from codegen import Model, t
 from runtime import load
 from tests.space.machines import DOWN
 from tests.space.rotations import matrix_g, rotation
@@ -103,3 +103,16 @@ def test_a_run_goes_on_from_a_state_with_its_samples(machine: Any) -> None:
         1.2, t[5:], t_start=t[5], start=whole.state(t[5]), rtol=1e-11, progress=False
     )
     assert_allclose(rest.samples.q, whole.samples.q[5:], rtol=0.0, atol=1e-9)
+
+
+def test_forces_and_torques_act_while_a_condition_holds(workshop: Path) -> None:
+    model = Model("switched", space=True)
+    body = model.body("b", 2.0, (0.1, 0.2, 0.25))
+    model.force("f", body, (3.0, t, 0), when=t < 0.5, label="push begins / push ends")
+    model.torque("n", body, (0, 0, 0.5), frame="body", when=body.omega_z < 1.0)
+    model.scene("s", ["f", "n"])
+    result = load(model, folder=workshop).simulate(1.0, 11, rtol=1e-10, progress=False)
+    assert_allclose(result.v("b.vx")[-1], 3.0 * 0.5 / 2.0, rtol=1e-12)
+    assert_allclose(result.v("b.vy")[-1], 0.5**2 / 2.0 / 2.0, rtol=1e-12)
+    assert_allclose(result.v("b.omega_z"), np.minimum(2.0 * result.t, 1.0), rtol=1e-9)
+    assert {event.text for event in result.events} >= {"push ends"}

@@ -35,9 +35,9 @@ def test_a_mirrored_closure_is_named(kind: str, workshop: Path) -> None:
         try:
             begin = machine.assemble(guess=guess)
         except AssemblyError as error:
+            text = str(error)
+            told += "joint 'W' closes with its bodies turned by half a turn" in text
             assert kind in KINDS[:2]
-            assert "joint 'W' closes with its bodies turned by half a turn" in str(error)
-            told += 1
             continue
         A = rotation(begin.q[3:7])
         if kind in KINDS[:2]:
@@ -70,8 +70,8 @@ def test_axes_that_are_opposite_at_the_drawing_are_refused(kind: str, along: Any
     getattr(model, kind)("W", model.ground.at(0, 0, 0), body.at(0, 0, 0), axis=axes)
     angle = np.degrees(np.arccos(along[2] / np.linalg.norm(along)))
     text = rf"'W': axis: at the drawing those of 'ground' and 'b' are {angle:.4g}° apart.*axes="
+    model.scene("s")
     with pytest.raises(ModelError, match=text):
-        model.scene("s")
         model.equations()
 
 

@@ -146,3 +146,9 @@ def test_elements_of_space_are_refused_in_the_plane(tmp_path: Path) -> None:
     model.scene("s")
     with pytest.raises(ModelError, match="is no body of a machine in space"):
         lw.build(model, out=tmp_path, compile=False)
+
+
+def test_a_torque_has_three_numbers() -> None:
+    body = lw.Model("m", space=True).body("b", 1.0, (1, 1, 1))
+    with pytest.raises(lw.ModelError, match=r"torque of body 'b': \(1, 2\) is not 3 values\."):
+        body.torque((1, 2))

@@ -109,7 +109,7 @@ class JointWithAxis(JointInSpace):
     """A joint with an axis: f, g and h of body i, f and h of body j."""
 
     counted: ClassVar[tuple[str, ...]] = ()  # letters of the coordinates that a scene asks for
-    facing = ("h",)
+    facing: ClassVar[tuple[str, ...]] = ("h",)
     axes: tuple[Three, Three, Three, Three, Three]
 
     def counting(self, letters: tuple[str, ...]) -> Self:
