@@ -44,16 +44,18 @@ class RankDeficiency:
 
     Rows that follow from others everywhere are left out; m is the number of the others, whose
     indices are `rows`. `left` has shape (m, k), `null` (n, k), `inverse` (n, m), `lengths` (m,). At
-    least `least` of the smallest `values` count as lost.
+    least `least` of the smallest `values` count as lost. Rows shorter than `shortest`, shape (all
+    rows,), are divided by that, since they may vanish.
     """
 
     def __init__(
-        self, equations: Equations, t: float, q: FloatArray, scale: FloatArray, least: int = 0
-    ) -> None:
+        self, equations: Equations, t: float, q: FloatArray, scale: FloatArray,
+        shortest: FloatArray, least: int = 0,
+    ) -> None:  # fmt: skip
         self.equations, self.t, self.q, self.scale = equations, t, q, scale
         self.rows = equations.independent
         matrix = equations.jacobian(t, q)[self.rows] * scale
-        self.lengths = row_lengths(matrix)
+        self.lengths = np.maximum(row_lengths(matrix), shortest[self.rows])
         self.matrix = matrix / self.lengths[:, None]
         left, self.values, right = np.linalg.svd(self.matrix)
         self.k = max(int((self.values < LOST).sum()), least)

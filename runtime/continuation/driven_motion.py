@@ -127,8 +127,7 @@ class Continuation(ContinuationState):
         found = self.positions.find(taylor(t, self.q, self.v, self.a), guess)
         if found is not None and not self._on_the_way(found, ahead, stretch):
             found = None
-        rounding = _ROUNDING * float(np.abs(self.q / self.scale).max(initial=1.0))
-        if found is not None and found.gap <= rounding:
+        if found is not None and found.gap <= self._rounding(found):
             known = self.awaited is not None and abs(self.awaited.t - found.t) * speed < 1e-6
             if suspect and known and (r.barrier - t) * ahead > 0.0:
                 r.step = 0.25 * stretch  # it strayed on the way there
@@ -146,6 +145,12 @@ class Continuation(ContinuationState):
             r.step = 0.25 * stretch
             return None
         return self._trace(found, t + ahead * stretch if suspect else t)
+
+    def _rounding(self, found: Singularity) -> float:
+        """A gap that is rounding, in units of the rows here, which may be about to vanish."""
+        lengths = row_lengths(self.equations.jacobian(self.t, self.q) * self.scale)
+        shrunk = float((found.rows * self.shortest / lengths).max(initial=1.0))
+        return _ROUNDING * shrunk * float(np.abs(self.q / self.scale).max(initial=1.0))
 
     def _on_the_way(self, found: Singularity, ahead: float, stretch: float) -> bool:
         """Whether motions, or their continuations, cross within the stretch.
@@ -165,13 +170,13 @@ class Continuation(ContinuationState):
         """Cross a branch point with continuous velocity; end where the branch is undecided."""
         equations = self.equations
         coming = self.v + (found.t - self.t) * self.a
-        t, q = found.t, found.q
+        t, q = self._due(found), found.q
         choices = self._deficiency(t, q).branches(coming)
         if choices:
             # Once more from there: located from afar, it is as accurate as one Newton step.
             motion = taylor(t, q, choices[0].v, choices[0].a)
-            q = (self.positions.find(motion, 0.0) or found).q
-            t = classification.driven_instant(equations, t, q)
+            again = self.positions.find(motion, 0.0) or found
+            t, q = self._due(again), again.q
             choices = self._deficiency(t, q).branches(coming)
         zone = None
         if choices and (len(choices) == 1 or choices[0].far < _NEARER * choices[1].far):
@@ -191,6 +196,12 @@ class Continuation(ContinuationState):
         if self.cross(zone, np.sign(t - self.t) or self.ahead):
             self._record("crossing", t, q, choices[0].v)
         return None
+
+    def _due(self, found: Singularity) -> float:
+        """When the drivers reach a singular position, s; their rates may vanish there."""
+        if abs(found.due - found.t) * found.speed < _ABOUT:
+            return found.due
+        return classification.driven_instant(self.equations, found.t, found.q)
 
     def begin(self, preferred: FloatArray) -> None:
         """Start in a singular configuration, on the branch nearest to `preferred` velocities."""
@@ -274,7 +285,7 @@ class Continuation(ContinuationState):
         return classification.unclear(self._record("unclear", self.t, self.q, self.v))
 
     def _deficiency(self, t: float, q: FloatArray, least: int = 0) -> RankDeficiency:
-        return RankDeficiency(self.equations, t, q, self.scale, least)
+        return RankDeficiency(self.equations, t, q, self.scale, self.shortest, least)
 
     def _describe(self, kind: Kind, t: float, q: FloatArray, v: FloatArray) -> SingularPosition:
         return classification.describe(self._deficiency(t, q, least=1), kind, v, self.pace)

@@ -7,10 +7,7 @@ last position at which the machine still assembles.
 
 A step can be so long that it lands on another assembly of the machine, close to a position in which
 two of them meet or almost meet. So the pivots of Phi_q are compared now and then, in one order: on
-one assembly the determinant keeps its sign. At a suspicion the state goes back to the last good
-comparison, and the code is SUSPECT.
-
-`ContinuationState` has position, record and samples so far.
+one assembly the determinant keeps its sign. At a suspicion the code is SUSPECT, the state good.
 """
 
 from collections import namedtuple
@@ -28,7 +25,7 @@ from runtime.core.outcomes import Outcome
 from runtime.linalg.dense_elimination import Sparse, eliminate_rows, fill_unit_rows, smallest_pivot
 from runtime.linalg.rank_policy import REDUNDANT
 from runtime.linalg.vectors import axpy, copy_vector, largest_ratio
-from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.mechanism.dense_equations import Equations, FloatArray, row_lengths
 from runtime.results.assembled_state import Assembly
 from runtime.results.run_records import SingularPosition
 
@@ -41,10 +38,10 @@ _PREDICTED = 0.05  # measured: largest scaled error of a prediction that names t
 _TRAVEL = 0.5  # measured: scaled motion of the longest step
 _TRIES = 4096  # safety: steps, rejected ones included, before an interrupt is heard
 _ITERATIONS = 30  # safety: of Newton's method for a position
-# measured: of the smallest pivot; after so much scaled motion pivots are compared again
-_MARGIN = 0.5
+_MARGIN = 0.5  # measured: of the smallest pivot; scaled motion until pivots are compared again
 _POOR = 0.5  # measured: of the smallest pivots at both ends; a smaller one between is suspicious
 _GOOD = 0.05  # measured: smallest pivot of a state to which the continuation may return
+_SHORTEST = 0.1  # safety: of a row's longest so far; no unit row, since it may vanish
 STEEP = 1e6  # safety: growth of a slope of Phi since the start that counts as unbounded
 
 # The record that a continuation keeps. t: instant of the state; barrier: instant to stop at, or not
@@ -62,7 +59,7 @@ RECORD = np.dtype([(name, float) for name in _FLOATS] + [(name, np.int64) for na
 # comparison and elsewhere, (2, m); q and v at the last comparison, where pivots were good, and of a
 # trial step, with their changes.
 _WORKSPACE = {
-    **dict.fromkeys(("p", "scale", "weights", "q", "v", "a", "lam", "values"), vector),
+    **dict.fromkeys(("p", "scale", "weights", "shortest", "q", "v", "a", "lam", "values"), vector),
     **dict.fromkeys(("modes", "rows", "columns"), arrays.integers),
     **dict.fromkeys(
         ("q_out", "v_out", "dense", "pivots", "compared", "good", "trial"), arrays.matrix
@@ -145,6 +142,10 @@ def eliminate_at(
     """Fill the pivots of Phi_q at (t, q); the smallest of them."""
     jacobian_of(kernels)(t, q, s.p, s.values)
     fill_unit_rows(Sparse(s.rows, s.columns, s.values), s.scale, s.dense, pivots)
+    for i in range(pivots.size):  # the inverse lengths of the rows
+        s.shortest[i] = max(s.shortest[i], _SHORTEST / pivots[i])
+        for j in range(s.q.size):
+            s.dense[i, j] /= max(1.0, pivots[i] * s.shortest[i])
     eliminate_rows(s.dense, order, pivots, search)
     return float(smallest_pivot(pivots))
 
@@ -264,10 +265,8 @@ def advance(kernels: Any, times: Any, s: Any, r: Any) -> int:
 
 
 _CHUNK = 4096  # measured: instants between two returns to Python, for progress and interrupts
-# accuracy: uncertainty of the instant of a singular position, in parts of its zone's reach
-_KNOWN = 1e-9
-# accuracy: scaled distance of positions that differ by rounding, near a singular position
-_SAME = 1e-8
+_KNOWN = 1e-9  # accuracy: uncertainty of a singular instant, in parts of its zone's reach
+_SAME = 1e-8  # accuracy: scaled distance of positions that differ by rounding, near a singular one
 
 
 class DrivenMotion(NamedTuple):
@@ -291,6 +290,7 @@ class ContinuationState:
         self.equations, self.times = equations, times
         self.scale = equations.scale(equations.size(start.t, start.q))  # of changes, (n,)
         self.q, self.v = start.q.copy(), start.v.copy()
+        self.shortest = _SHORTEST * row_lengths(equations.jacobian(start.t, self.q) * self.scale)
         self.modes = np.zeros(len(description.switches), dtype=np.int64)
         # weak: 1 + the constraint with a weak pivot at the start, or 0
         self.a, lam, self.weak = equations.motion(start.t, self.q, self.v, self.modes)
@@ -300,9 +300,9 @@ class ContinuationState:
         self.record.t, self.record.step = start.t, max(self.span, 1.0)
         self.record.least, self.record.barrier = -1.0, np.nan
         self._workspace = Workspace(
-            p=equations.p, scale=self.scale, weights=self.scale**2, q=self.q, v=self.v, a=self.a,
-            lam=lam, modes=self.modes, q_out=self.q_out, v_out=self.v_out,
-            rows=rows.astype(np.int64), columns=columns.astype(np.int64),
+            p=equations.p, scale=self.scale, weights=self.scale**2, shortest=self.shortest,
+            q=self.q, v=self.v, a=self.a, lam=lam, modes=self.modes, q_out=self.q_out,
+            v_out=self.v_out, rows=rows.astype(np.int64), columns=columns.astype(np.int64),
             values=np.zeros(len(rows)), dense=np.zeros((m, n)), pivots=np.zeros((3, m)),
             orders=np.zeros((2, m), np.int64), compared=np.zeros((2, n)), good=np.zeros((2, n)),
             trial=np.zeros((4, n)),

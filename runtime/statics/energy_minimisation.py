@@ -22,6 +22,7 @@ from runtime.progress_bar import Progress
 _BALANCED = 1e-10  # accuracy: part of the forces; a gradient below it counts as balanced
 # accuracy: scaled steps of the difference quotients, finer at an edge
 _DIFFERENCES = (3e-5, 3e-7, 3e-9)
+_PUSH = 1e-3  # accuracy: scaled velocity, 1/s, of the difference quotients by velocities
 # accuracy: error of a gradient, in parts of stiffness times coordinate: 64 roundings
 _ROUNDING = 1.5e-14
 # accuracy: scaled residual of a redundant constraint, which rounding of the others may leave
@@ -141,6 +142,17 @@ class StaticEquations:
         """-(Q_v + H^T Q_u), scaled, in J; shape (f,)."""
         self.evaluations += 1
         return -self.motions(q, part).T @ self._forces(q)[0]
+
+    def damping(self, position: RestPosition, motions: FloatArray) -> FloatArray:
+        """Slopes of the gradient by velocities along `motions`, (f, f), in J s; 0 if rounding."""
+        equations, t, q = self.equations, self.t, position.q
+        still, modes = equations.at_rest(t, q), equations.rest_modes(t, q)
+        slopes = np.zeros_like(position.stiffness)
+        for column, motion in enumerate(_PUSH * motions.T):
+            sides = [equations.forces(t, q, still + sign * motion, modes) for sign in (1.0, -1.0)]
+            slopes[:, column] = motions.T @ (sides[1] - sides[0]) / (2.0 * _PUSH)
+        rounding = _ROUNDING / _PUSH * float(position.effort.max(initial=0.0))
+        return np.where(np.abs(slopes) <= rounding, 0.0, slopes)
 
     def energy(self, q: FloatArray) -> float:
         """V in J."""

@@ -32,6 +32,7 @@ from runtime.validation.finite_equations import left_tables, name_left_tables
 from runtime.validation.scene_support import require_no_rigid, require_no_sticking
 
 _FLAT = 1e-8  # accuracy: part of the largest stiffness; a smaller one is indifferent
+_GROWING = 1e-6  # accuracy: part of the fastest rate; a slower growth is rounding
 _MOVED = 1e-3  # accuracy: part of the largest motion in an indifferent direction; less is none
 
 
@@ -51,19 +52,24 @@ class Judgement(NamedTuple):
     eigenvalues: FloatArray  # of M^-1 K, 1/s^2, ascending
     frequencies: FloatArray = np.zeros(0)  # rad/s
     flutter: bool = False
+    fed: bool = False  # whether only forces that depend on velocities let a push grow
     loose: tuple[str, ...] = ()  # bodies in space that indifferent directions move
 
 
 def _judge(statics: StaticEquations, position: RestPosition) -> Judgement:
     """Eigenvalues of M^-1 K over the independent coordinates; all positive means stable.
 
-    Pairs of complex eigenvalues are oscillations that grow: no natural frequencies. Where a
-    condition changes at the position, K is that of one side, which says nothing of the other.
+    Pairs of complex eigenvalues are oscillations that grow: no natural frequencies. Where forces
+    depend on velocities, the solutions of M ẍ + C ẋ + K x = 0 tell what grows. Where a condition
+    changes at the position, K is that of one side, which says nothing of the other.
     """
     motions = statics.motions(position.q, position.part)
     root = np.linalg.cholesky(motions.T @ statics.equations.mass(position.q) @ motions)
-    matrix = np.linalg.solve(root, np.linalg.solve(root, position.stiffness).T).T
-    if not np.isfinite(matrix).all():  # forces end there
+    matrix, damping = (
+        np.linalg.solve(root, np.linalg.solve(root, slopes).T).T
+        for slopes in (position.stiffness, statics.damping(position, motions))
+    )
+    if not np.isfinite(matrix + damping).all():  # forces end there
         return Judgement(Stability.UNKNOWN, np.full(len(matrix), np.nan))
     largest = float(np.abs(matrix).max(initial=0.0))
     if float(np.abs(matrix - matrix.T).max(initial=0.0)) <= 1e-6 * largest:
@@ -86,16 +92,23 @@ def _judge(statics: StaticEquations, position: RestPosition) -> Judgement:
     squares: FloatArray = np.array(values, dtype=np.float64)
     if position.edges:
         return Judgement(Stability.UNKNOWN, squares, flutter=flutter)
-    if flutter or bool((values < -flat).any()):
+    grows, falls, some_flat = flutter, (values < -flat)[real].any(), (values <= flat)[real].any()
+    if damping.any():
+        still, unit = np.zeros_like(matrix), np.eye(len(matrix))
+        rates = np.linalg.eigvals(np.block([[still, unit], [-matrix, -damping]]))
+        least = max(_GROWING * np.abs(rates).max(), some_flat * np.sqrt(flat.max()))
+        grows = bool((rates.real > least).any())
+        flutter &= grows
+    if grows or falls:
         stability = Stability.UNSTABLE
     else:
-        some_flat = bool((values <= flat).any())
         stability = Stability.INDIFFERENT if some_flat else Stability.STABLE
     moved = np.abs(motions / statics.scale[:, None] @ modes[:, values <= flat])
     moved = (moved / moved.max(axis=0, initial=1e-300)).max(axis=1, initial=0.0)
     loose = tuple(n for n, k in description.turning if moved[k - 3 : k + 4].max() > _MOVED)
     frequencies = np.sqrt(squares[real & (squares > flat)])
-    return Judgement(stability, squares, frequencies, flutter, loose)
+    fed = grows and not (flutter or bool(falls))
+    return Judgement(stability, squares, frequencies, flutter, fed, loose)
 
 
 METHODS = "energy", "settling"
@@ -113,7 +126,7 @@ class Equilibrium(Result):
     Attributes
     ----------
     stability
-        Whether the machine returns after a small push.
+        Whether the machine returns after a small push; unknown if the forces do not balance.
     frequencies
         Natural frequencies about the rest position in Hz, of the stable directions, ascending; none
         if the stiffness is known on one side only. `natural_frequencies` are the same in rad/s.
@@ -215,9 +228,9 @@ def equilibrium(
     if ran:
         position = statics.position(start.q, position.iterations)
     stats["gradient_evaluations"] = statics.evaluations
-    if states is None:
+    if states is None and position.balanced:
         judged = _judge(statics, position)
-    else:  # M and K alone do not determine the motion after a push
+    else:  # with states M, C and K alone do not determine the motion after a push
         judged = Judgement(Stability.UNKNOWN, np.full(len(position.gradient), np.nan))
     modes = equations.rest_modes(t, position.q)[None, :]
     v = equations.at_rest(float(t), position.q)[None].copy()
@@ -229,7 +242,7 @@ def equilibrium(
     else:
         kink = "" if position.balanced else kink_at_rest(equations, start, end)
         text = f"No equilibrium found. {kink}"
-        message = text if kink else _message(description, position, judged, ran)
+        message = text if kink else _message(description, method, position, judged, ran)
     moved = zip(description.coordinates, np.abs(position.q - start.q), strict=True)
     turns = ((turn, row.name.rpartition(".")[0]) for row, turn in moved if row.is_angle)
     turn = max(turns, default=(0.0, ""))
@@ -322,9 +335,13 @@ def _runaways(statics: StaticEquations, start: FloatArray, end: FloatArray) -> l
 
 
 def _message(
-    description: Description, position: RestPosition, judged: Judgement, ran: list[str]
-) -> str:
+    description: Description, method: str, position: RestPosition, judged: Judgement,
+    ran: list[str],
+) -> str:  # fmt: skip
     """The outcome of the search, in a sentence."""
+    searched, other = f"after {position.iterations} iterations", ' or try method="settling"'
+    if method == "settling":
+        searched, other = "where the damped motion ended,", ""
     touched = (description.switches[k] for k in position.edges)
     edges = ", ".join(f"{switch.condition} of {switch.name}" for switch in touched)
     if ran:
@@ -345,18 +362,17 @@ def _message(
                 f"the force rise over a short distance."
             )
         return (
-            f"No equilibrium found: after {position.iterations} iterations "
-            f"{position.unbalanced:.1e} of the forces is unbalanced, most along {name} = "
-            f"{position.q[worst]:.6g}. Start from a "
-            f'guess nearer to rest, try method="settling", or check that something holds the '
-            f"machine."
+            f"No equilibrium found: {searched} {position.unbalanced:.1e} of the forces is "
+            f"unbalanced, most along {name} = {position.q[worst]:.6g}. Start from a guess nearer "
+            f"to rest{other.replace(' or', ',')}, or check that something holds the machine."
         )
     notes = {
         Stability.STABLE: "Stable: it returns after a small push.",
         Stability.UNSTABLE: (
             "Unstable: the forces balance, but a small push drives it away"
-            f"{', in oscillations that grow (flutter)' if judged.flutter else ''}. "
-            'Start elsewhere, or use method="settling".'
+            f"{', in oscillations that grow (flutter)' if judged.flutter else ''}"
+            f"{', since forces that depend on velocities feed its motion' if judged.fed else ''}. "
+            f"Start elsewhere{other}."
         ),
         Stability.INDIFFERENT: (
             f"Indifferent: it stays where a small push leaves {', '.join(judged.loose) or 'it'}."

@@ -93,6 +93,56 @@ def test_force_without_potential_is_balanced(make: Callable[..., Machine], metho
     assert rest.stable
 
 
+@pytest.fixture(scope="module")
+def whirl(workshop: Path) -> Machine:
+    """Two like oscillators, damped by c, and coupled by forces ±b without a potential."""
+    model = Model("whirl")
+    mass = model.body("mass", mass=1, inertia=1)
+    b, c = model.parameter("b", 0.0), model.parameter("c", 0.0)
+    model.potential("springs", 2 * (mass.x**2 + mass.y**2) + mass.phi**2)
+    model.force("forces", mass, fx=-b * mass.y - c * mass.vx, fy=b * mass.x - c * mass.vy)
+    model.scene("rest", ["springs", "forces"], guess={mass.x: 0.1})
+    return load(model, folder=workshop)
+
+
+@pytest.mark.parametrize(
+    ("b", "c", "stable", "cause"),
+    [
+        (0.0, 0.5, True, ""),
+        (0.0, -1e-3, False, "since forces that depend on velocities feed its motion"),
+        (0.5, 0.0, False, "in oscillations that grow (flutter)"),
+        (0.5, 0.2, False, "in oscillations that grow (flutter)"),
+        (0.5, 0.3, True, ""),
+    ],
+)
+def test_damping_takes_part_in_stability(
+    whirl: Machine, b: float, c: float, stable: bool, cause: str
+) -> None:
+    """λ² + c λ + 4 ± i b = 0: a push grows if c < 0 or b > 2 c."""
+    rest = whirl.equilibrium(parameters={"b": b, "c": c})
+    assert rest.stability is (Stability.STABLE if stable else Stability.UNSTABLE)
+    assert cause in rest.message
+    assert len(rest.frequencies) == (3 if b == 0.0 else 1)
+
+
+@METHODS
+def test_no_verdict_without_balance(workshop: Path, method: str) -> None:
+    """A torque above the largest moment of the weight, 9.81 N m: the hinge turns on."""
+    model = Model("spun", gravity=(0, -9.81))
+    bar = model.body("bar", mass=2.0, inertia=0.3)
+    model.revolute("A", model.ground.at(0, 0), bar.at(0, 0.5))
+    model.torque("T", bar, 14.0)
+    model.scene("turn", ["gravity", "T"])
+    rest = load(model, folder=workshop).equilibrium(method)
+    assert rest.outcome is Outcome.UNBALANCED
+    assert rest.stability is Stability.UNKNOWN
+    assert len(rest.frequencies) == 0
+    assert np.isnan(rest.eigenvalues).all()
+    if method == "settling":
+        assert "settling" not in rest.message
+        assert "iterations" not in rest.message
+
+
 def test_force_that_nothing_balances(make: Callable[..., Machine]) -> None:
     machine = make("runaway", "runaway")
     rest = machine.equilibrium()

@@ -85,8 +85,9 @@ def _cause(
     step = min(_CLOSE * duration, _NEARBY / max(speed, 1e-300))
     sides = [equations.jacobian(t, q + h * v) for h in (-step, step)]
     turned = np.linalg.norm(sides[1] - sides[0], axis=1)
-    row = int((turned / here).argmax())
-    return (elements[row], "jump", "") if turned[row] > _TURNED * here[row] else None
+    share = turned / np.maximum(before, here)  # a row that vanishes smoothly turns about, and is 0
+    row = int(share.argmax())
+    return (elements[row], "jump", "") if share[row] > _TURNED else None
 
 
 def end_motion_at_kink(

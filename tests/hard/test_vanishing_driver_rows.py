@@ -1,0 +1,63 @@
+"""Drivers whose slope vanishes on the way: the motion goes on smoothly, or ends by name."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import linkwright as lw
+from linkwright import Machine, Model, Outcome
+
+
+@pytest.fixture(scope="module")
+def hinges(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Machine]:
+    """A hinge in the plane and one in space; sin of the angle is driven as sin 2t: φ = 2t."""
+    plane = Model("plane", gravity=(0, -9.81))
+    bar = plane.body("a", 2.0, 0.2)
+    plane.revolute("A", plane.ground.at(0, 0), bar.at(-0.4, 0))
+    space = Model("space", space=True, gravity=(0, 0, -9.81))
+    block = space.body("a", 2.0, (0.1, 0.2, 0.3), at=(0.4, 0, 0))
+    space.revolute("A", space.ground, block, at=(0, 0, 0), axis=(0, 1, 0))
+    for model, sine in ((plane, sp.sin(bar.phi)), (space, block.A[0, 2])):
+        model.driver("d", sine, sp.sin(2 * lw.t))
+        model.driver("e", sine, sp.Rational(6, 5) * lw.t)
+        model.scene("turn", ["gravity"], drivers=["d"])
+        model.scene("lock", ["gravity"], drivers=["e"])
+    folder = tmp_path_factory.mktemp("hinges")
+    return {
+        f"{model.name} {scene}": lw.load(model, scene, folder=folder)
+        for model in (plane, space)
+        for scene in ("turn", "lock")
+    }
+
+
+@pytest.mark.parametrize(("kind", "speed"), [("plane", "a.omega"), ("space", "a.omega_y")])
+def test_motion_is_continuous_at_any_number_of_instants(
+    hinges: dict[str, Machine], kind: str, speed: str
+) -> None:
+    machine = hinges[f"{kind} turn"]
+    for end, count in [(2.0, 21), (2.0, 51), (2.0, 401), (6.0, 29), (6.0, 85), (6.0, 401)]:
+        run = machine.kinematics(end, count, progress=False)
+        assert run.outcome is Outcome.OK, count
+        assert run[speed] == pytest.approx(2.0, abs=1e-8)
+        passed = [row.time for row in run.singular]
+        expected = np.arange(np.pi / 4, end, np.pi / 2)
+        assert passed == pytest.approx(expected, abs=1e-9)
+    run = machine.inverse_dynamics(2.0, 51, progress=False)
+    assert run[speed] == pytest.approx(2.0, abs=1e-8)
+
+
+@pytest.mark.parametrize("kind", ["plane", "space"])
+def test_end_of_the_reach_is_a_lock_up(hinges: dict[str, Machine], kind: str) -> None:
+    """The driver demands a sine of 1 at t = 5/6 s."""
+    run = hinges[f"{kind} lock"].kinematics(2.0, 51, progress=False)
+    assert run.outcome is Outcome.LOCKED
+    assert run.t[-1] == pytest.approx(5 / 6, abs=1e-9)
+    assert "Locked up" in run.message
+
+
+def test_simulation_names_no_kink(hinges: dict[str, Machine]) -> None:
+    """A row that vanishes turns about without a jump."""
+    run = hinges["space turn"].simulate(2.0, 51, progress=False)
+    assert run.outcome is not Outcome.DISCONTINUOUS
+    assert "slope jumps" not in run.message
+    assert run["a.omega_y"] == pytest.approx(2.0, abs=1e-3)
