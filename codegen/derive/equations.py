@@ -28,7 +28,7 @@ from codegen.derive.parameter_conditions import (
     outline_conditions,
     profiles_of,
 )
-from codegen.derive.scene_picture import ScenePicture, scene_picture
+from codegen.derive.scene_picture import NO_PICTURE, ScenePicture, scene_picture
 from codegen.elements.forces.mass_flow import MassLaw
 from codegen.garbage_collection import collection_paused
 from codegen.model.base import TRACKED
@@ -115,7 +115,7 @@ class Equations:
     # (joints, scene) of several joints that may come or go at one instant
     together: tuple[tuple[tuple[str, ...], str], ...] = ()
     labels: tuple[tuple[sympy.Basic, str], ...] = ()  # of conditions, what events are called
-    picture: ScenePicture | None = None  # None of a machine in space
+    picture: ScenePicture = NO_PICTURE
     turning: tuple[TurningBody, ...] = ()
     derived: tuple[ExpressionOutput, ...] = ()
 
@@ -339,9 +339,7 @@ def derive(model: "Model", scene: Scene) -> Equations:
         watched=watched,
         together=model.together(scene),
         labels=tuple(model.labels.items()),
-        picture=None
-        if model.in_space
-        else scene_picture(model.ground, bodies, drawn, values, frozenset(used)),
+        picture=scene_picture(model.ground, bodies, drawn, values, frozenset(used)),
         turning=tuple(
             TurningBody(b.name, b.p, b.mass, b.inertia, (*b.place, *b.attitude))
             for b in bodies

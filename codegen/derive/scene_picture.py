@@ -1,18 +1,20 @@
 """The picture of a scene in symbols: poses of its bodies, and the shapes of what acts in it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, NamedTuple
 
 import sympy
 
 from codegen.declare.body import Bodies, Body, Curve, Point
-from codegen.declare.element import Element, JointReaction, label
+from codegen.declare.element import Element, JointReaction, WrenchReaction, label
 from codegen.declare.returned_values import returned, statement_of
+from codegen.declare.space_body import SpaceBody, SpacePoint
 from codegen.declare.symbols import Coordinate, Parameter, Time, derivative, kinds, t
 from codegen.drawing import shapes
 from codegen.drawing.picture import BodyLayout, Symbol
-from codegen.drawing.shapes import Place, Shape
+from codegen.drawing.shapes import Pair, Place, Shape, SpacePlace
+from codegen.drawing.space_shapes import Bulk, Wrench
 from codegen.readers.arguments import one_of, optional, several
 from codegen.readers.calls import errors_at
 from codegen.readers.expressions import plain_expression
@@ -62,6 +64,9 @@ class ScenePicture:
     constants: tuple[tuple[sympy.Symbol, float], ...] = ()
 
 
+NO_PICTURE = ScenePicture((), ())
+
+
 def scene_picture(
     ground: Body, bodies: Bodies, elements: Mapping[str, list[Element]],
     parameters: Mapping[str, float], known: frozenset[str],
@@ -78,6 +83,7 @@ def scene_picture(
         for element in members
         for shape in _shapes(element, role, hubs)
     ]
+    found += [_bulk(body, numbers) for body in _loose(bodies, found, numbers)]
     constants = tuple(
         (Parameter(name, real=True), value)
         for name, value in parameters.items()
@@ -86,9 +92,34 @@ def scene_picture(
     frames = tuple(
         BodyLayout(body.name, bool(body.fixed), (*body.position, *turn), body.outlines)
         for body in numbers
-        for turn in (body.rotation if body.angle is None else (body.angle,),)
+        for turn in (_turn(body),)
     )
     return ScenePicture(frames, tuple(found), constants)
+
+
+def _turn(body: Body) -> tuple[sympy.Expr, ...]:
+    """The angle of a body, its cosine and sine, or its Euler parameters."""
+    if isinstance(body, SpaceBody):
+        return body.p
+    return body.rotation if body.angle is None else (body.angle,)
+
+
+def _loose(bodies: Bodies, found: Iterable[Symbol], numbers: Mapping[Body, int]) -> Iterator[Body]:
+    """The bodies in space with mass that are held at one place or none."""
+    pairs = [one.shape for one in found if isinstance(one.shape, Pair)]
+    held = [place.body for pair in pairs for place in (pair.i, pair.j)]
+    for body in bodies:
+        is_loose = isinstance(body, SpaceBody) and held.count(numbers[body]) < 2
+        if is_loose and None not in (body.mass, body.inertia):
+            yield body
+
+
+def _bulk(body: Any, numbers: Mapping[Body, int]) -> Symbol:
+    """The shape of a body that follows from its mass and inertia."""
+    j = body.inertia
+    entries = (j[0, 0], j[1, 1], j[2, 2], j[0, 1], j[0, 2], j[1, 2])
+    shape = Bulk(SpacePoint(body, 0, 0, 0), body.mass, *entries)
+    return Symbol(body.name, "body", "body", _numbered(shape, numbers))
 
 
 def _numbered(shape: Shape, numbers: Mapping[Body, int]) -> Shape:
@@ -96,6 +127,8 @@ def _numbered(shape: Shape, numbers: Mapping[Body, int]) -> Shape:
 
     def numbered(value: Any) -> Any:
         match value:
+            case SpacePoint():
+                return SpacePlace(numbers[value.body], *value.place)
             case Point():
                 return Place(numbers[value.body], *value.place)
             case Curve():
@@ -117,7 +150,7 @@ def _shapes(element: Element, role: str, hubs: Hubs) -> Iterator[Shape]:
             at = (v for v in vars(element).values() if isinstance(v, Point))
             drawn = tuple(shapes.Mark(point) for point in at)
         for shape in drawn:
-            is_placed = isinstance(shape, shapes.Reaction | shapes.Exertion)
+            is_placed = isinstance(shape, shapes.Reaction | shapes.Exertion | Wrench)
             yield shape if is_placed else _with_points(shape, hubs)
             if isinstance(shape, shapes.Contact) and shape.gap is not None:
                 yield from _contact_sides(shape)
@@ -181,6 +214,13 @@ def _hubs(joints: list[Element]) -> Hubs:
 def _reaction(element: Any) -> Iterator[Shape]:
     """The axes of a joint's reaction, and where it acts, on the body that it is told of."""
     statement, reaction = statement_of(element), statement_of(element).reaction
+    if isinstance(reaction, WrenchReaction) and len(element.bodies) > 1:
+        of, at = reaction.on, reaction.on.s
+        x = statement.bindings[of.r[0]]
+        by, on = sorted(element.bodies[:2], key=lambda body: body.position[0] == x)
+        if reaction.arm is not None:
+            at = of.A.T * reaction.arm
+        yield Wrench(by, SpacePoint(on, *at.xreplace(statement.bindings)))
     if not isinstance(reaction, JointReaction) or len(element.bodies) < 2:
         return
     frame = reaction.on

@@ -9,7 +9,17 @@ import numpy as np
 from codegen.drawing import shapes
 from codegen.drawing.contacts import line_of_force, nearest_side, touch
 from codegen.drawing.guides import held_places
-from codegen.drawing.picture import ARROW, BLOCK, HEAD, PIN, ROUND_ARROW, SAME, Picture, Symbol
+from codegen.drawing.picture import (
+    ARROW,
+    BLOCK,
+    HEAD,
+    PIN,
+    ROUND_ARROW,
+    SAME,
+    Picture,
+    SpacePicture,
+    Symbol,
+)
 from codegen.drawing.plane_geometry import (
     FloatArray,
     Points,
@@ -23,7 +33,8 @@ from codegen.drawing.plane_geometry import (
     straight_arrow,
     unit,
 )  # fmt: skip
-from codegen.drawing.shapes import ContactSide, Place
+from codegen.drawing.shapes import ContactSide, Place, SpacePlace
+from codegen.drawing.space_shapes import Push, Wrench
 from codegen.drawing.styles import Stroke
 
 LARGEST = 0.32  # layout: length of the largest arrow to scale, in typical lengths
@@ -48,12 +59,14 @@ class Load(NamedTuple):
     style: str  # "force", "reaction" or "torque"
     label: str  # what acts, and on which body
     at: Any  # where it acts in the global frame, m
-    value: Any  # the force in global axes, Fx + iFy, N; or the torque, N m
-    place: Place | None = None  # of a body where it acts, if it is one
+    value: Any  # the force in global axes, Fx + iFy, N; or the torque, N m; in space (..., 3)
+    place: Place | SpacePlace | None = None  # of a body where it acts, if it is one
 
     @property
     def size(self) -> float:
         """Of the force in N, or of the torque in N m; the largest over time."""
+        if isinstance(self.place, SpacePlace):
+            return float(np.nanmax(np.linalg.norm(self.value, axis=-1), initial=0.0))
         return float(np.nanmax(np.abs(self.value), initial=0.0))
 
     @property
@@ -67,8 +80,12 @@ def loads(picture: Picture, series: Series) -> Iterator[Load]:
     for symbol in picture.symbols:
         for style, body, where, value, by in _exerted(picture, symbol, series):
             on = f"{f', {by}' if by else ''} on {picture.bodies[body].name}"
-            place = where if isinstance(where, Place) else None
-            at = picture.at(place) if place else where
+            place = where if isinstance(where, Place | SpacePlace) else None
+            at = where
+            if isinstance(where, Place):
+                at = picture.at(where)
+            elif isinstance(picture, SpacePicture):
+                at = picture.where(where)
             yield Load(symbol.element, style, f"{symbol.element}{on}", at, value, place)
 
 
@@ -81,7 +98,24 @@ def _exerted(
         names = (f"{symbol.element}.{word}" for word in words)
         return next((series[name] for name in names if name in series), 0.0)
 
+    def vector(*components: Any) -> Any:
+        return np.stack(np.broadcast_arrays(*components), axis=-1)
+
     match symbol.shape:
+        case Push(at, x, y, z, turns):
+            yield "torque" if turns else "force", at.body, at, vector(x, y, z), ""
+        case Wrench(by, at):
+            name = picture.bodies[by].name
+            for style, letter in (("reaction", "f"), ("torque", "t")):
+                parts = (exerted(f"{letter}{c}") for c in "xyz")
+                yield style, at.body, at, vector(*parts), name
+        case shapes.Spring(i, j, pushes=pushes) if isinstance(picture, SpacePicture):
+            away = picture.where(j) - picture.where(i)
+            away = away / np.maximum(np.linalg.norm(away, axis=-1, keepdims=True), 1e-300)
+            pull = (-1.0 if pushes else 1.0) * np.asarray(exerted("force"))[..., None] * away
+            for place, value in ((i, pull), (j, -pull)):
+                if not picture.is_ground(place.body):
+                    yield "force", place.body, place, value, ""
         case shapes.Force(at, fx, fy):
             yield "force", at.body, at, fx + 1j * fy, ""
         case shapes.Torque(at, torque):
@@ -127,12 +161,12 @@ def acting_loads(picture: Picture, series: Series, run: Iterable[Load] = ()) -> 
     """What acts, is finite at an instant, and no rounding beside the largest in the run."""
     finite = [one for one in loads(picture, series) if np.isfinite(one.at * one.value).any()]
     known = [*finite, *run]
-    force, torque = (VANISHING * _largest(known, word) for word in ("N", "N m"))
+    force, torque = (VANISHING * largest_of(known, word) for word in ("N", "N m"))
     least = {"N": force, "N m": max(torque, force * picture.size)}
     return [load for load in finite if load.size > least[load.unit]]
 
 
-def _largest(found: list[Load], unit_: str) -> float:
+def largest_of(found: list[Load], unit_: str) -> float:
     """The largest size of a unit; 0 where there is none."""
     return max((load.size for load in found if load.unit == unit_), default=0.0)
 
@@ -140,7 +174,7 @@ def _largest(found: list[Load], unit_: str) -> float:
 def drawn_loads(picture: Picture, acting: list[Load], to_scale: bool) -> list[Arrow]:
     """What acts at one instant, each with its arrow, to scale or of one size: shaft and head."""
     size, scale = picture.size, force_scale(picture, acting) if to_scale else None
-    strongest, found = _largest(acting, "N m"), []
+    strongest, found = largest_of(acting, "N m"), []
     origins = origin(picture.poses[1:])
     for load in acting:
         if load.style == "torque":
@@ -160,7 +194,7 @@ def drawn_loads(picture: Picture, acting: list[Load], to_scale: bool) -> list[Ar
 
 def force_scale(picture: Picture, acting: list[Load]) -> float | None:
     """Length per force, m/N, at which the largest arrow fits the picture; None without a force."""
-    strongest = _largest(acting, "N")
+    strongest = largest_of(acting, "N")
     return LARGEST * picture.size / strongest if strongest > 0 else None
 
 

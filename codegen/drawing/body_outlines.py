@@ -17,7 +17,17 @@ from codegen.drawing.guides import (
     rack_side,
     slot_ends,
 )  # fmt: skip
-from codegen.drawing.picture import BAR, BLOCK, BOB, CHEEK, PARTICLE, SAME, BodyPicture, Picture
+from codegen.drawing.picture import (
+    BAR,
+    BLOCK,
+    BOB,
+    CHEEK,
+    PARTICLE,
+    SAME,
+    BodyPicture,
+    Picture,
+    SpacePicture,
+)
 from codegen.drawing.plane_geometry import (
     Points,
     box,
@@ -30,11 +40,14 @@ from codegen.drawing.plane_geometry import (
     unit,
 )  # fmt: skip
 from codegen.drawing.shapes import ContactSide, Profile, Rack, Slide, Slot, Wheel, places
+from codegen.drawing.solids import reach
 
 
 def complete_picture(picture: Picture) -> Picture:
-    """The picture with its size, and with outlines of all bodies."""
+    """The picture with its size, and in the plane with outlines of all bodies."""
     first = picture.first
+    if isinstance(first, SpacePicture):
+        return replace(picture, size=reach(first))
     sized = replace(first, size=typical_length(first))
     return replace(picture, size=sized.size, bodies=derived_outlines(sized))
 

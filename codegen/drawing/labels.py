@@ -10,8 +10,10 @@ from codegen.drawing.annotations import WIDE, Arrow
 from codegen.drawing.contacts import surfaces
 from codegen.drawing.guides import guide_of, pitch_point, rail_ends
 from codegen.drawing.lines_between_bodies import gap_of
-from codegen.drawing.picture import ARROW, PIN, ROUND_ARROW, Picture
+from codegen.drawing.picture import ARROW, BAR, PIN, ROUND_ARROW, Picture, SpacePicture
 from codegen.drawing.plane_geometry import Points, area, circle, contains, pairs, samples
+from codegen.drawing.space_shapes import SpaceJoint
+from codegen.drawing.space_strokes import gap_in_space
 from codegen.drawing.styles import LIGHT, color_of
 
 if TYPE_CHECKING:
@@ -82,6 +84,8 @@ def _places(picture: Picture, shape: shapes.Shape) -> Points | None:
     match shape:
         case shapes.Pin(at) | shapes.Fixing(at) | shapes.Bearing(at) | shapes.Trace(at):
             return np.array([picture.at(at)])
+        case SpaceJoint(j=at):
+            return np.array([picture.at(at)])
         case shapes.SpiralSpring(j=at) | shapes.Drive(j=at):
             return np.array([picture.at(at)])
         case shapes.Slide() | shapes.Slot():
@@ -108,6 +112,11 @@ def _bodies(picture: Picture) -> Iterator[Label]:
     }
     for number, body in enumerate(picture.bodies):
         if number == 0 or body.fixed:
+            continue
+        if isinstance(picture, SpacePicture):
+            places = np.array([picture.flat(picture.poses[number, :3])])
+            yield Label(body.name, places, BAR * picture.size,
+                        _style(color_of("line", number), BODY_SIZE))  # fmt: skip
             continue
         largest = max(
             body.outlines, key=lambda one: abs(area(one)), default=np.zeros(1, dtype=complex)
@@ -161,8 +170,11 @@ def _gaps(picture: Picture) -> Iterator[Label]:
     """How far the places of joints are apart that are not closed."""
     for symbol in picture.symbols:
         gap = gap_of(picture, symbol)
+        distance = 0.0 if gap is None else abs(gap[1] - gap[0])
+        if isinstance(picture, SpacePicture):
+            gap, distance = gap_in_space(picture, symbol) or (None, 0.0)
         if gap is not None:
-            text = f"{symbol.element}: {abs(gap[1] - gap[0]):.4g} m apart"
+            text = f"{symbol.element}: {distance:.4g} m apart"
             places = np.array([gap.mean(), gap[1], gap[0]])
             yield Label(text, places, 0.01 * picture.size, _style(LIGHT["bad"], NUMBER_SIZE))
 

@@ -40,7 +40,7 @@ def links(shape: shapes.Shape) -> list[tuple[str, Points]]:
         return [("rod", np.array([0j, 1]))]
     if not isinstance(shape, shapes.Spring):
         return []
-    styles = _styles(shape)
+    styles = link_styles(shape)
     first = 0.1 if len(styles) > 1 else 0.0
     s = np.linspace(0.2, 0.8, 2 * COILS + 1)
     teeth = (s[1:] + s[:-1]) / 2 + 1j * np.resize([1, -1], 2 * COILS)
@@ -68,8 +68,10 @@ def links(shape: shapes.Shape) -> list[tuple[str, Points]]:
     return found
 
 
-def _styles(shape: shapes.SpringLike) -> list[str]:
+def link_styles(shape: shapes.Rod | shapes.SpringLike) -> list[str]:
     """The styles of the parts that an element has."""
+    if isinstance(shape, shapes.Rod):
+        return ["rod"]
     wanted = {"spring": shape.elastic, "damper": shape.damper, "actuator": shape.actuator}
     return [style for style, is_wanted in wanted.items() if is_wanted]
 
@@ -107,7 +109,7 @@ def windings(shape: shapes.Shape, size: float) -> list[tuple[str, FloatArray]]:
         "damper": [points(1.0, pin * radius, 1.0, start + sweep * x) for radius in ROUND_CUPS],
         "actuator": [points(1.0, pin * ROUND_MOTOR, 1.0, 2 * np.pi * x)],
     }
-    return [(style, line) for style in _styles(shape) for line in parts[style]]
+    return [(style, line) for style in link_styles(shape) for line in parts[style]]
 
 
 def wound(points: FloatArray, i: complex, j: complex, alpha: float, beta: float) -> Points:

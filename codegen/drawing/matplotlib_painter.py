@@ -11,9 +11,12 @@ from codegen.drawing import annotations
 from codegen.drawing.labels import Writer, labels
 from codegen.drawing.lines_between_bodies import lines_between_bodies
 from codegen.drawing.lines_in_bodies import lines_in_bodies
-from codegen.drawing.picture import Picture
+from codegen.drawing.picture import Picture, SpacePicture
 from codegen.drawing.plane_geometry import FloatArray, Points, origin, pairs
+from codegen.drawing.solids import solids
+from codegen.drawing.space_strokes import arrows_in_space, frames_in_space, strokes_in_space
 from codegen.drawing.styles import LIGHT, STYLES, Stroke, color_of, ordered
+from codegen.errors import InputError
 from codegen.presentation import new_figure
 
 if TYPE_CHECKING:
@@ -30,6 +33,7 @@ SAMPLED = 120  # layout: positions from which the view of a motion is found
 FARTHEST = 2.5  # layout: what is farther away, in typical lengths, may leave the view
 PALEST = 0.22  # layout: strength of the colours of the first of several positions
 TALLEST_MOVIE, FLATTEST_MOVIE = 1.1, 0.34  # layout: height of a movie over its width
+TRIAD = 24.0  # layout: length of the arrows of the global axes, in points
 TITLE_ROOM = 0.85  # layout: room above and below the axes of a movie, inches
 SIDE = 0.75  # layout: room beside the axes of a movie, inches
 
@@ -49,18 +53,25 @@ def figure(
     """
     acting = annotations.acting_loads(picture, series or {}, run)
     scale = annotations.force_scale(picture, acting) if forces else None
-    arrows = annotations.drawn_loads(picture, acting, forces)
+    if isinstance(picture, SpacePicture):
+        if dimensions:
+            raise InputError(f"{picture.title}: dimensions= is there for machines in the plane "
+                             "alone; the picture of one in space is seen at an angle.")  # fmt: skip
+        arrows, axes_of_bodies = arrows_in_space(picture, acting, forces), frames_in_space(picture)
+    else:
+        arrows = annotations.drawn_loads(picture, acting, forces)
+        axes_of_bodies = annotations.frame_strokes(picture)
     measured = annotations.dimension_lines(picture) if dimensions else []
-    artist = PictureArtist(picture)
+    artist = _artist(picture)
     artist.signs = [
         *annotations.driver_strokes(picture),
         *(stroke for _, strokes in arrows for stroke in strokes),
-        *(annotations.frame_strokes(picture) if frames else ()),
+        *(axes_of_bodies if frames else ()),
         *(annotations.trace_strokes(picture) if picture.motion is not None else ()),
         *(stroke for strokes in measured for stroke in strokes),
     ]
     highest = HIGHEST if scale is None else HIGHEST_WITH_FORCES  # their texts are long
-    drawn, axes = _still(picture.title, *artist.bounds(picture, highest))
+    drawn, axes = _still(picture, *artist.bounds(picture, highest))
     artist.add_to(axes, picture)
     drawn.draw_without_rendering()
     writer = Writer(axes, artist.global_lines(picture))
@@ -73,18 +84,18 @@ def figure(
     return drawn
 
 
-def _still(title: str, low: FloatArray, high: FloatArray) -> tuple["Figure", "Axes"]:
+def _still(picture: Picture, low: FloatArray, high: FloatArray) -> tuple["Figure", "Axes"]:
     """A figure whose axes have these proportions."""
     span, room = high - low, np.array([WIDEST - MARGINS[0], TALLEST - MARGINS[1]])
     width, height = np.maximum(span * float(np.min(room / span)) + MARGINS, LEAST)
     drawn = new_figure("picture", float(width), float(height))
     axes = drawn.add_subplot()
-    _prepare_axes(axes, low, high, title)
+    _prepare_axes(axes, low, high, picture)
     return drawn, axes
 
 
-def _prepare_axes(axes: "Axes", low: FloatArray, high: FloatArray, title: str) -> None:
-    """Equal axes with title and units, their edges pale."""
+def _prepare_axes(axes: "Axes", low: FloatArray, high: FloatArray, picture: Picture) -> None:
+    """Equal axes with title and units, their edges pale; in space three arrows in a corner."""
     for part in (axes.figure, axes):
         part.set_facecolor(LIGHT["background"])
     axes.set_aspect("equal", adjustable="box")
@@ -94,10 +105,18 @@ def _prepare_axes(axes: "Axes", low: FloatArray, high: FloatArray, title: str) -
     axes.locator_params("y", nbins=bins[1])
     for name, axis in zip("xy", (axes.xaxis, axes.yaxis), strict=True):
         axis.set_label_text(f"{name}, m", color=LIGHT["muted"], fontsize=8.5)
-    axes.set_title(title, color=LIGHT["ink"], fontsize=10.5)
+    axes.set_title(picture.title, color=LIGHT["ink"], fontsize=10.5)
     axes.tick_params(colors=LIGHT["muted"], labelsize=8, length=3, width=0.6)
     axes.spines[["top", "right"]].set_visible(False)
     axes.spines[["left", "bottom"]].set_color(LIGHT["grid"])
+    if isinstance(picture, SpacePicture):
+        axes.set_axis_off()
+        for letter, way in zip("xyz", picture.flat(np.eye(3)), strict=True):
+            axes.annotate(
+                letter, (0.04, 0.05), (TRIAD * way.real, TRIAD * way.imag), "axes fraction",
+                "offset points", {"arrowstyle": "<-", "color": LIGHT["muted"]}, ha="center",
+                va="center", fontsize=8.5, color=LIGHT["muted"],
+            )  # fmt: skip
 
 
 class PictureArtist:
@@ -147,14 +166,9 @@ class PictureArtist:
         from matplotlib.collections import PathCollection
 
         strokes = self.strokes(picture)
-        styles = [STYLES[stroke.style] for stroke in strokes]
-        both = [(style, stroke.body) for style, stroke in zip(styles, strokes, strict=True)]
         self.collection = PathCollection(
             _paths(picture, strokes),
-            facecolors=[self._shade(color_of(style.fill, body)) for style, body in both],
-            edgecolors=[self._shade(color_of(style.line, body)) for style, body in both],
-            linewidths=[style.width for style in styles],
-            linestyles=[style.dashes for style in styles],
+            **self._looks(strokes),
             capstyle="round",
             joinstyle="round",
             snap=False,  # lines and insides would be moved by different parts of a pixel
@@ -162,6 +176,16 @@ class PictureArtist:
         )
         axes.add_collection(self.collection, autolim=False)
         return self.collection
+
+    def _looks(self, strokes: Iterable[Stroke]) -> dict[str, Any]:
+        """Colours and lines of strokes, for Matplotlib."""
+        both = [(STYLES[stroke.style], stroke.body) for stroke in strokes]
+        return {
+            "facecolors": [self._shade(color_of(style.fill, body)) for style, body in both],
+            "edgecolors": [self._shade(color_of(style.line, body)) for style, body in both],
+            "linewidths": [style.width for style, _ in both],
+            "linestyles": [style.dashes for style, _ in both],
+        }
 
     def _shade(self, color: str) -> Any:
         """The colour, or its mixture with the background; "none" for the empty one."""
@@ -175,6 +199,34 @@ class PictureArtist:
     def update(self, picture: Picture) -> None:
         """Move the strokes to the poses of a picture with the same shapes."""
         self.collection.set_paths(_paths(picture, self.strokes(picture)))
+
+
+class SpaceArtist(PictureArtist):
+    """The same of a picture in space, whose strokes change their order."""
+
+    def __init__(self, picture: SpacePicture, gaps: bool = True, strength: float = 1.0) -> None:
+        self.picture, self.gaps, self.strength = picture, gaps, strength
+        self.signs, self.collection = (), None
+        self.solids = [
+            one for one in solids(picture) if strength == 1.0 or not picture.is_ground(one.body)
+        ]
+
+    def strokes(self, picture: Picture) -> list[Stroke]:
+        """All strokes, the nearest last."""
+        assert isinstance(picture, SpacePicture)
+        return [*strokes_in_space(picture, self.solids, self.gaps), *self.signs]
+
+    def update(self, picture: Picture) -> None:
+        """Move the strokes, with their colours."""
+        strokes = self.strokes(picture)
+        self.collection.set(paths=_paths(picture, strokes), **self._looks(strokes))
+
+
+def _artist(picture: Picture, gaps: bool = True, strength: float = 1.0) -> PictureArtist:
+    """The artist of a picture in the plane or in space."""
+    if isinstance(picture, SpacePicture):
+        return SpaceArtist(picture, gaps, strength)
+    return PictureArtist(picture, gaps, strength)
 
 
 def _paths(picture: Picture, strokes: Iterable[Stroke]) -> list[Any]:
@@ -218,7 +270,7 @@ class MovieFigure:
         canvas: Any = FigureCanvasAgg(figure)  # matplotlib leaves its methods untyped
         self.canvas, self.axes = canvas, figure.add_subplot()
         self.size: tuple[int, int] = canvas.get_width_height()
-        _prepare_axes(self.axes, low, high, first.title)
+        _prepare_axes(self.axes, low, high, first)
         shown = replace(first, motion=np.array([frame.poses for frame in frames]))
         for stroke in annotations.trace_strokes(shown):
             self.axes.plot(*pairs(stroke.points).T, color=LIGHT["trace"], linewidth=0.9, zorder=1.5)
@@ -232,7 +284,7 @@ class MovieFigure:
         """The artist of frames with these symbols."""
         key = tuple((symbol.element, symbol.shape.kind) for symbol in frame.symbols)
         if key not in self.artists:
-            self.artists[key] = PictureArtist(frame, gaps=False)
+            self.artists[key] = _artist(frame, gaps=False)
         return self.artists[key]
 
     def pixels(self, number: int, clock: str) -> npt.NDArray[np.uint8]:
@@ -255,11 +307,11 @@ def phase_figure(frames: Sequence[Picture]) -> "Figure":
     """Several positions of a motion over each other, the first pale and the last with names."""
     shades = np.linspace(PALEST, 1.0, len(frames)) ** 1.5 if len(frames) > 1 else [1.0]
     artists = [
-        PictureArtist(frame, gaps=False, strength=float(shade))
+        _artist(frame, gaps=False, strength=float(shade))
         for frame, shade in zip(frames, shades, strict=True)
     ]
     last = frames[-1]
-    result, axes = _still(last.title, *_view(frames, artists[-1]))
+    result, axes = _still(last, *_view(frames, artists[-1]))
     for number, (artist, frame) in enumerate(zip(artists, frames, strict=True)):
         artist.add_to(axes, frame, 2.0 + number / len(frames))
     result.draw_without_rendering()

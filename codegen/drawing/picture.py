@@ -8,13 +8,14 @@ parameters needs neither the model nor SymPy.
 import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from codegen.drawing import shapes
+from codegen.drawing import shapes, space_shapes
 from codegen.drawing.plane_geometry import FloatArray, Points, in_frame, placed
-from codegen.drawing.shapes import Course, OneShape, Place, Shape, changed, places
+from codegen.drawing.shapes import Course, OneShape, Place, Shape, SpacePlace, changed, places
 
 # Sizes of signs, in typical lengths, so that machines of all sizes look alike.
 BAR = 0.021  # layout: half width of a bar, in typical lengths
@@ -152,20 +153,107 @@ class Picture:
         return frames
 
 
+AZIMUTH, HEIGHT = 0.6, 0.42  # layout: rad by which the usual view is turned from the front one
+FLAT = 1e-9  # accuracy: a smaller acceleration of gravity, m/s², is none
+
+
+def turned(vectors: Any, p: FloatArray) -> FloatArray:
+    """Vectors of a body, (..., 3), in global axes, by its Euler parameters, (..., 4)."""
+    scalar, e = p[..., :1], p[..., 1:]
+    return np.asarray(vectors + 2.0 * np.cross(e, np.cross(e, vectors) + scalar * vectors))
+
+
+class SpacePicture(Picture):
+    """The same of a machine in space, with poses x, y, z, e0 … e3 of each body, (..., 7).
+
+    As a planar picture it is the projection onto the plane of the usual view: places are points of
+    that plane, and so are the points of its strokes, of whatever body.
+    """
+
+    def where(self, place: SpacePlace) -> FloatArray:
+        """A place in the global frame, (..., 3), m."""
+        point = np.stack(np.broadcast_arrays(*place[1:]), axis=-1)
+        return self.in_world(point, place.body)
+
+    def in_world(self, points: Any, body: int) -> FloatArray:
+        """Points of a body, (..., 3), in the global frame."""
+        pose = self.poses[..., body, :]
+        return np.asarray(pose[..., :3] + turned(points, pose[..., 3:]))
+
+    def along(self, direction: SpacePlace) -> FloatArray:
+        """A direction of a body, given as a place of it, in global axes, (..., 3)."""
+        return np.asarray(self.where(direction) - self.poses[..., direction.body, :3])
+
+    def within(self, vectors: Any, body: int) -> FloatArray:
+        """Vectors of the global frame, (..., 3), in the axes of a body."""
+        return turned(vectors, self.poses[..., body, 3:] * [1, -1, -1, -1])
+
+    def at(self, place: Any) -> Any:
+        """A place in the plane of the view, x + iy in m."""
+        return self.flat(self.where(place))
+
+    def placed(self, points: Any, body: int) -> Any:
+        """Points of the plane of the view, as they are."""
+        return points
+
+    def path(self, place: Any) -> Points:
+        """A place in the plane of the view during the motion, (instants,), m."""
+        moving = self if self.motion is None else replace(self, poses=self.motion)
+        return np.atleast_1d(moving.at(place))
+
+    @cached_property
+    def up(self) -> FloatArray:
+        """The axis, (3,), that points upward: most nearly against gravity, else z."""
+        for _, pull in self.having(space_shapes.Pull):
+            g = np.array([np.ravel(c)[0] for c in (pull.gx, pull.gy, pull.gz)], dtype=float)
+            if np.abs(g).max() > FLAT:
+                k = int(np.argmax(np.abs(g)))
+                return np.asarray(-np.sign(g[k]) * np.eye(3)[k])
+        return np.array([0.0, 0.0, 1.0])
+
+    @property
+    def level(self) -> tuple[FloatArray, FloatArray]:
+        """The axes to the right and upward of the view from the front."""
+        return np.array([0.0, 1.0, 0.0] if self.up[0] else [1.0, 0.0, 0.0]), self.up
+
+    @cached_property
+    def view(self) -> FloatArray:
+        """The usual view: the axes to the right, upward and toward the viewer, as rows, (3, 3)."""
+        right, _ = self.level
+        front = np.cross(right, self.up)
+        (c, s), (ch, sh) = ((np.cos(a), np.sin(a)) for a in (AZIMUTH, HEIGHT))
+        right, front = c * right - s * front, s * right + c * front
+        return np.array([right, ch * self.up - sh * front, sh * self.up + ch * front])
+
+    def flat(self, vectors: Any) -> Any:
+        """Vectors of the global frame, (..., 3), in the plane of the view."""
+        return vectors @ (self.view[0] + 1j * self.view[1])
+
+
 SAMPLES = 181  # layout: of a closed curve, ends included
-KINDS: dict[str, type[Shape]] = {
-    cls.kind: cls for cls in vars(shapes).values()
-    if isinstance(cls, type) and issubclass(cls, Shape) and cls.kind
-}  # fmt: skip
-# A digest of the kinds and their fields: a module with another one was written by another version.
-VERSION = hashlib.sha256(
-    repr([(kind, [f.name for f in fields(cls)]) for kind, cls in KINDS.items()]).encode()
-).hexdigest()[:16]
-_SLOTS = {"at": 2, "number": 1}  # of a field
+KINDS, SPACE_KINDS = (
+    {
+        cls.kind: cls for cls in vars(room).values()
+        if isinstance(cls, type) and issubclass(cls, Shape) and cls.kind
+    } for room in (shapes, space_shapes)
+)  # fmt: skip
+# Digests of the kinds and their fields: a module with another one was written by another version.
+VERSION, SPACE_VERSION = (
+    hashlib.sha256(
+        repr([(kind, [f.name for f in fields(cls)]) for kind, cls in kinds.items()]).encode()
+    ).hexdigest()[:16]
+    for kinds in (KINDS, SPACE_KINDS)
+)
+
+
+SPACE_POSE = 7  # formula: numbers of a pose in space
 
 
 class BodyLayout(NamedTuple):
-    """A body: slots of x, y and φ, or of x, y, cos φ and sin φ; outlines as pairs of slots."""
+    """A body: slots of x, y and φ, or of x, y, cos φ and sin φ; outlines as pairs of slots.
+
+    In space the slots are those of x, y, z and e0 to e3.
+    """
 
     name: str
     fixed: bool
@@ -176,8 +264,9 @@ class BodyLayout(NamedTuple):
 class ShapeLayout(NamedTuple):
     """A shape: its fields in their order, each a pair (what it is, where to find it).
 
-    ("at", (body, slot, slot)) is a place, ("number", slot) a number, ("body", number) a body,
-    ("bodies", numbers) several, ("curve", (body, number)) a curve, ("word", value) a plain value.
+    ("at", (body, slot, slot)), in space with a third slot, is a place, ("number", slot) a number,
+    ("body", number) a body, ("bodies", numbers) several, ("curve", (body, number)) a curve, and
+    ("word", value) a plain value.
     """
 
     element: str
@@ -204,7 +293,9 @@ class Layout:
     def size(self) -> int:
         """How many slots there are: each is written once."""
         of_bodies = sum(len(b.pose) + 2 * sum(map(len, b.outlines)) for b in self.bodies)
-        return of_bodies + sum(_SLOTS.get(w, 0) for row in self.shapes for w, _ in row.fields)
+        values = [value for row in self.shapes for value in row.fields]
+        of_places = sum(len(where) - 1 for what, where in values if what == "at")
+        return of_bodies + of_places + sum(what == "number" for what, _ in values)
 
     def picture(
         self, t: FloatArray, numbers: FloatArray, curves: Callable[[float], FloatArray]
@@ -220,19 +311,23 @@ class Layout:
         def value(what: str, where: Any) -> Any:
             match what:
                 case "at":
-                    return Place(
-                        where[0], *(constant_or_all(numbers[:, slot]) for slot in where[1:])
-                    )
+                    found = (constant_or_all(numbers[:, slot]) for slot in where[1:])
+                    return (Place if len(where) == 3 else SpacePlace)(where[0], *found)
                 case "number":
                     return constant_or_all(numbers[:, where])
                 case "curve":
                     return Course(where[0], points[:, where[1]] @ [1, 1j])
             return where
 
+        known = KINDS | SPACE_KINDS
         symbols = tuple(
-            Symbol(*row[:3], KINDS[row.shape](*(value(*field) for field in row.fields)))
+            Symbol(*row[:3], known[row.shape](*(value(*field) for field in row.fields)))
             for row in self.shapes
         )
+        if len(self.bodies[0].pose) == SPACE_POSE:
+            names = tuple(BodyPicture(body.name, body.fixed) for body in self.bodies)
+            slots = np.array([body.pose for body in self.bodies])
+            return SpacePicture(self.title, names, numbers[:, slots], symbols, t=t)
         bodies, poses = [], np.empty((len(t), len(self.bodies), 3))
         for number, (name, fixed, (x, y, *turn), outlines) in enumerate(self.bodies):
             polygons = [numbers[0, np.array(line)] @ [1, 1j] for line in outlines]

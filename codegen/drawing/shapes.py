@@ -31,6 +31,15 @@ class Place(NamedTuple):
         return self.x + 1j * self.y
 
 
+class SpacePlace(NamedTuple):
+    """A point of a body in space: the body's number, 0 for the ground, and x', y', z' in m."""
+
+    body: int
+    x: Number
+    y: Number
+    z: Number
+
+
 class Course(NamedTuple):
     """A curve of a body of a picture: the body's number, and points along it, x' + iy', (k,), m."""
 
@@ -306,10 +315,10 @@ class Trace(Shape):
     at: PointOrPlace
 
 
-def places(shape: Shape) -> list[Place]:
+def places(shape: Shape) -> list[Any]:
     """The places of a shape's fields, in their order."""
     values = (getattr(shape, field.name) for field in fields(shape))
-    return [value for value in values if isinstance(value, Place)]
+    return [value for value in values if isinstance(value, Place | SpacePlace)]
 
 
 def changed(change: Callable[..., Any], first: OneShape, *others: OneShape) -> OneShape:
@@ -317,9 +326,9 @@ def changed(change: Callable[..., Any], first: OneShape, *others: OneShape) -> O
     values: dict[str, Any] = {}
     for field in fields(first):
         own, *same = (getattr(shape, field.name) for shape in (first, *others))
-        if isinstance(own, Place):
-            x, y = (change(*numbers) for numbers in list(zip(own, *same, strict=True))[1:])
-            values[field.name] = Place(own.body, x, y)
+        if isinstance(own, Place | SpacePlace):
+            numbers = (change(*each) for each in list(zip(own, *same, strict=True))[1:])
+            values[field.name] = type(own)(own.body, *numbers)
         elif isinstance(own, float | np.ndarray):
             values[field.name] = change(own, *same)
     return replace(first, **values)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
 
-from codegen.drawing.picture import VERSION
+from codegen.drawing.picture import SPACE_VERSION, VERSION
 from codegen.emit.kernel import Arguments, KernelText, folded_numbers, formula
 from codegen.emit.line_wrapping import assignment, checked, literal, prose
 from codegen.emit.module_functions import SIN_COS_FUNCTION, lookups, spline_lines
@@ -276,7 +276,8 @@ def picture_text(lowered: Lowered, picture: LoweredPicture, origin: Origin, modu
     )
     layout = picture.layout
     tables = {
-        "LAYOUT": VERSION, "BODIES": plain(layout.bodies), "SHAPES": plain(layout.shapes),
+        "LAYOUT": SPACE_VERSION if lowered.scene.turns else VERSION, "BODIES": plain(layout.bodies),
+        "SHAPES": plain(layout.shapes),
     }  # fmt: skip
     arguments = Arguments.of(lowered.description)
     # Behind the parameters stand the scene's constants, which are none of the picture's.

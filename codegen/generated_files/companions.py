@@ -21,7 +21,7 @@ from codegen.errors import SceneError
 from codegen.files.generated_modules import companion_path
 from codegen.generated_files.generated_file import Clock, CompanionReport, FileReport
 from codegen.lower.differentiation.program_tangents import tangent_program
-from codegen.lower.kernels.picture_kernels import IN_SPACE, lower_picture
+from codegen.lower.kernels.picture_kernels import lower_picture
 from codegen.lower.lowered_scene import Lowered, lower
 from codegen.lower.program import Program
 from codegen.model import Model
@@ -99,10 +99,6 @@ def _reduced_missing(equations: Equations) -> str:
     return ""
 
 
-def _picture_missing(equations: Equations) -> str:
-    return f"{IN_SPACE}; leave pictures out," if equations.turning else ""
-
-
 def _tangents(lowered: Lowered, provenance: Origin, module: str) -> tuple[Program, str]:
     program = tangent_program(lowered.program)
     return program, tangents_text(lowered, program, provenance, module)
@@ -130,6 +126,6 @@ def _outputs(lowered: Lowered, provenance: Origin, module: str) -> tuple[Program
 COMPANIONS = (
     Companion("tangents", "differentiate", "derivatives", _tangents_missing, _tangents),
     Companion("reduced", "reduce", "reduced", _reduced_missing, _reduced),
-    Companion("picture", "picture", "picture", _picture_missing, _picture),
+    Companion("picture", "picture", "picture", lambda equations: "", _picture),
     Companion("outputs", "outputs", "all outputs", lambda equations: "", _outputs),
 )

@@ -9,7 +9,7 @@ import pytest
 
 from codegen import Model, t
 from codegen.driver import build
-from codegen.errors import AnalysisError, InputError, ModelError, ParameterError
+from codegen.errors import AnalysisError, ModelError, ParameterError
 from codegen.model.bodies import MovingBodies
 from codegen.model.contacts import Contacts
 from codegen.model.forces import Forces
@@ -219,12 +219,9 @@ def test_a_body_without_inertia_moves_in_kinematics_alone(tmp_path: Path) -> Non
         build(model, out=tmp_path, compile=False)
 
 
-def test_pictures_modes_and_limits_are_refused(workshop: Path) -> None:
+def test_modes_and_limits_are_refused(workshop: Path) -> None:
     machine = load(heavy_top(), folder=workshop)
     result = machine.simulate(0.01, 3, progress=False)
-    for drawing in (machine.draw, result.draw, heavy_top().draw):
-        with pytest.raises(InputError, match="is in space, and there are pictures of machines in"):
-            drawing()
     with pytest.raises(AnalysisError, match="assembly_modes are there for machines in the plane"):
         machine.assembly_modes()
     with pytest.raises(AnalysisError, match="limits are there for machines in the plane"):

@@ -9,6 +9,8 @@ from codegen.declare.element import Effect, Measure, Measures, label
 from codegen.declare.element_fields import quantity
 from codegen.declare.space_body import SpaceBody, SpacePoint
 from codegen.declare.symbols import rate
+from codegen.drawing.shapes import Shapes
+from codegen.drawing.space_shapes import Pull, Push
 from codegen.elements.forces.applied import Gravity
 from codegen.elements.forces.springs import OTHER, SpringDamper
 from codegen.elements.registry import element
@@ -30,6 +32,10 @@ class GravityInSpace(Effect):
 
     potential = Gravity.potential
     weights = Gravity.weights
+
+    def shapes(self) -> Shapes:
+        """Its direction."""
+        return (Pull(*self.g),)
 
 
 @element(space=True)
@@ -58,6 +64,10 @@ class ForceInSpace(Effect):
         """F, in the axes in which it is given."""
         return _components("force", "f", "N", self.value)
 
+    def shapes(self) -> Shapes:
+        """An arrow."""
+        return (_push(self.point, self.value, self.frame, False),)
+
     def problems(self) -> list[str]:
         """The ground cannot be pushed."""
         return _of_ground(self, self.point.body)
@@ -81,6 +91,10 @@ class TorqueInSpace(Effect):
     def measures(self, bodies: Bodies) -> Measures:
         """The torque, in the axes in which it is given."""
         return _components("torque", "t", "N m", self.value)
+
+    def shapes(self) -> Shapes:
+        """An arrow."""
+        return (_push(self.body.at(0, 0, 0), self.value, self.frame, True),)
 
     def problems(self) -> list[str]:
         """The ground cannot be turned."""
@@ -118,6 +132,13 @@ class TorsionSpringInSpace(SpringDamper):
 def _components(quantity: str, letter: str, unit: str, value: Three) -> Measures:
     pairs = zip("xyz", value, strict=True)
     return tuple(Measure(quantity, f"{letter}{c}", unit, sympy.sympify(v)) for c, v in pairs)
+
+
+def _push(at: SpacePoint, value: Three, frame: str, turns: bool) -> Push:
+    """A force or a torque in global axes."""
+    turned = at.body.A * sympy.Matrix(value) if frame == "body" else value
+    x, y, z = turned
+    return Push(at, x, y, z, turns)
 
 
 def _of_ground(effect: Effect, body: SpaceBody) -> list[str]:

@@ -26,6 +26,8 @@ from codegen.declare.element_fields import quantity, shared_fields
 from codegen.declare.space_body import SpacePoint, Three
 from codegen.declare.space_frame import I, J
 from codegen.declare.symbols import coordinate, given
+from codegen.drawing.shapes import Rod, Shapes
+from codegen.drawing.space_shapes import SpaceJoint
 from codegen.elements.registry import element
 from codegen.errors import ModelError
 
@@ -82,6 +84,7 @@ class JointInSpace(Constraint):
 
     phi: ClassVar[tuple[sympy.Expr, ...]]
     rows: ClassVar[tuple[str, ...]]
+    form: ClassVar[str] = "ball"  # of `codegen.drawing.space_shapes.SpaceJoint`
     countable: ClassVar[tuple[str, ...]] = ()  # letters of the coordinates that it may count
     facing: ClassVar[tuple[str, ...]] = ()  # letters of the vectors that its bodies share
     name: str
@@ -102,6 +105,12 @@ class JointInSpace(Constraint):
         of_i, of_j = self.vectors()
         bindings = I.bind(self.i, **of_i) | J.bind(self.j, **of_j)
         return Statement(self.phi, self.rows, WrenchReaction(J), bindings, facing=self.facing)
+
+    def shapes(self) -> Shapes:
+        """The form of its class, along an axis of each body if it has them."""
+        pairs = zip((self.i, self.j), self.vectors(), strict=True)
+        axes = (SpacePoint(end.body, *own["h"]) for end, own in pairs if "h" in own)
+        return (SpaceJoint(self.i, self.j, self.form, *axes),)
 
 
 @shared_fields
@@ -158,6 +167,7 @@ class RevoluteInSpace(JointWithAxis):
     """
 
     kind = "revolute in space"
+    form = "hinge"
     countable = ("angle",)
     phi, rows = (*COINCIDENT, *PARALLEL), ("x", "y", "z", "f", "g")
 
@@ -170,6 +180,7 @@ class Cylindrical(JointWithAxis):
     """
 
     kind = "cylindrical"
+    form = "shaft"
     countable = ("angle", "slide")
     phi, rows = (*ON_LINE, *PARALLEL), ("line_f", "line_g", "f", "g")
 
@@ -182,6 +193,7 @@ class TranslationalInSpace(JointWithAxis):
     """
 
     kind = "translational in space"
+    form = "rail"
     countable, facing = ("slide",), ("h", "f")
     phi = (*ON_LINE, *PARALLEL, G.dot(F_J))
     rows = ("line_f", "line_g", "f", "g", "turn")
@@ -195,6 +207,7 @@ class WeldInSpace(JointWithAxis):
     """
 
     kind = "weld in space"
+    form = "clamp"
     facing = ("h", "f")
     phi = (*COINCIDENT, *PARALLEL, G.dot(F_J))
     rows = ("x", "y", "z", "f", "g", "turn")
@@ -208,6 +221,7 @@ class Universal(JointInSpace):
     """
 
     kind = "universal"
+    form = "cross"
     phi, rows = (*COINCIDENT, H_I.dot(H_J)), ("x", "y", "z", "cross")
     axis_i: Three
     axis_j: Three
@@ -232,3 +246,7 @@ class DistanceInSpace(JointInSpace):
         """One equation: the squared distance of the two points."""
         bindings = I.bind(self.i) | J.bind(self.j) | {LENGTH: self.length}
         return Statement(self.phi, self.rows, WrenchReaction(J), bindings)
+
+    def shapes(self) -> Shapes:
+        """A rod."""
+        return (Rod(self.i, self.j),)

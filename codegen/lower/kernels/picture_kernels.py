@@ -3,10 +3,9 @@
 from dataclasses import fields
 from typing import Any, NamedTuple
 
-from codegen.derive.scene_picture import BodyNumber, PlaneCurve, ScenePicture, Scoped, Slope
+from codegen.derive.scene_picture import BodyNumber, PlaneCurve, Scoped, Slope
 from codegen.drawing.picture import BodyLayout, Layout, ShapeLayout, Symbol
-from codegen.drawing.shapes import Place
-from codegen.errors import ModelError
+from codegen.drawing.shapes import Place, SpacePlace
 from codegen.lower.differentiation.gradient import Slopes
 from codegen.lower.lowered_scene import Lowered
 from codegen.lower.program import Program, storing
@@ -14,7 +13,6 @@ from codegen.lower.scene_graph import SceneGraph
 from codegen.lower.sympy_translation import Translator
 
 NAME, CURVES = "picture", "curves"
-IN_SPACE = "is in space, and there are pictures of machines in the plane alone so far"
 
 
 class LoweredPicture(NamedTuple):
@@ -25,19 +23,17 @@ class LoweredPicture(NamedTuple):
 
 
 def lower_picture(lowered: Lowered) -> LoweredPicture:
-    """Translate the picture of a scene into kernels; ModelError for a machine in space."""
-    title = f"{lowered.description.model}, {lowered.description.scene}"
-    if lowered.scene.turns:
-        raise ModelError(f"{title.replace(', ', '/')} {IN_SPACE}. Series have tables and plots.")
-    return _Lowering(lowered.scene).lowered(title)
+    """Translate the picture of a scene into kernels."""
+    return _Lowering(lowered.scene).lowered(
+        f"{lowered.description.model}, {lowered.description.scene}"
+    )
 
 
 class _Lowering:
     """Gathers the numbers of a picture."""
 
     def __init__(self, scene: SceneGraph) -> None:
-        picture = scene.equations.picture
-        self.picture = ScenePicture((), ()) if picture is None else picture
+        self.picture = scene.equations.picture
         self.graph = scene.graph
         known = {s: self.graph.constant(value) for s, value in self.picture.constants}
         # Without switches conditions are compared: a picture knows no modes.
@@ -92,9 +88,8 @@ class _Lowering:
 
     def _field(self, note: str, value: Any) -> tuple[str, Any]:
         match value:
-            case Place():
-                x, y = (self._slot(e, note) for e in value[1:])
-                return "at", (value.body, x, y)
+            case Place() | SpacePlace():
+                return "at", (value.body, *(self._slot(e, note) for e in value[1:]))
             case BodyNumber():
                 return "body", int(value)
             case PlaneCurve():

@@ -22,6 +22,7 @@ from codegen.readers.calls import checked_class
 from runtime.results.motion_at_instants import Sampling, resampled
 from runtime.show.animation.page_data import (
     NO_MACHINE,
+    NO_MACHINE_IN_SPACE,
     block,
     event_marks,
     in_two,
@@ -99,7 +100,7 @@ class Animation:
         words = " ".join(dict.fromkeys(map(about, shown)))
         return page_text(
             self.title, block({"runs": runs}), self._below, words,
-            has_curves=has_curves, runs=len(runs),
+            has_curves=has_curves, runs=len(runs), in_space=is_in_space(self._results[0]),
         )  # fmt: skip
 
     @readers.reads(path=readers.path)
@@ -182,6 +183,11 @@ def animate(
             f"animate: {Path(file).name} is a movie, which shows one run; write it by "
             f"RESULT.animate(file={Path(file).name!r}). Runs beside each other are an .html page."
         )
+    if len({is_in_space(run) for run in runs}) > 1:
+        problems.append(
+            "animate: machines in the plane and in space are seen in different ways; animate them "
+            "in pages of their own."
+        )
     problems += [
         f"animate: run {k + 1}, {run.description.title}, has no instants ({run.message})"
         for k, run in enumerate(runs)
@@ -231,7 +237,12 @@ def _moving_picture(shown: "Result") -> tuple[Picture, str]:
     try:
         return moving_picture(shown), ""
     except LinkwrightError as error:
-        return NO_MACHINE, str(error)
+        return NO_MACHINE_IN_SPACE if is_in_space(shown) else NO_MACHINE, str(error)
+
+
+def is_in_space(result: "Result") -> bool:
+    """Whether the machine of a result is in space."""
+    return bool(result.description.turning)
 
 
 def animated(result: "Result") -> "Result":
@@ -258,6 +269,10 @@ def turns(result: "Result") -> FloatArray:
     """The largest turn of a body between neighbouring instants, (k - 1,), rad."""
     positions = result.description.positions
     angles = [result.q(row.name) for row in positions if row.unit == "rad"]
+    if is_in_space(result) and len(result.t) > 1:
+        rates = [result.samples.v[:, k : k + 4] for _, k in result.description.turning]
+        omega = np.nan_to_num(2.0 * np.linalg.norm(rates, axis=-1).max(axis=0))
+        return np.asarray(np.maximum(omega[1:], omega[:-1]) * np.diff(result.t))
     if not angles or len(result.t) < 2:
         return np.zeros(max(len(result.t) - 1, 0))
     change = np.abs(np.diff(np.array(angles), axis=1))

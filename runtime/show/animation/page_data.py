@@ -21,12 +21,23 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.drawing import shapes
-from codegen.drawing.annotations import Series, acting_loads
+from codegen.drawing.annotations import Load, Series, acting_loads
 from codegen.drawing.contacts import moving_surfaces, nearest_side, touch
-from codegen.drawing.lines_between_bodies import belt_difference, links, windings
+from codegen.drawing.lines_between_bodies import belt_difference, link_styles, links, windings
 from codegen.drawing.lines_in_bodies import lines_in_bodies
-from codegen.drawing.picture import PIN, SPRING, Picture, Symbol
+from codegen.drawing.picture import (
+    AZIMUTH,
+    HEIGHT,
+    PIN,
+    SPACE_POSE,
+    SPRING,
+    Picture,
+    SpacePicture,
+    Symbol,
+)
 from codegen.drawing.shapes import ContactSide, Course, Place, places
+from codegen.drawing.solids import solids
+from codegen.drawing.space_shapes import Pull, Wrench
 from codegen.drawing.styles import STYLES, Stroke, size_of
 
 if TYPE_CHECKING:
@@ -37,8 +48,11 @@ _DROPPED = 8  # accuracy: low bits of a mantissa of 24 that curves leave out, 1.
 MAX_MARKS = 2000  # layout: marks of a run
 _FLASHES = {"touches", "tightens", "impact", "strikes", "closes", "engage"}
 """What an event's word, kind or action is where bodies hit each other."""
-NO_MACHINE = Picture("", (), np.zeros((1, 0, 3)), (), t=np.zeros(1))
-"""The picture of a run whose machine is not known."""
+NO_MACHINE, NO_MACHINE_IN_SPACE = (
+    picture("", (), np.zeros((1, 0, numbers)), (), t=np.zeros(1))
+    for picture, numbers in ((Picture, 3), (SpacePicture, SPACE_POSE))
+)
+"""The pictures of a run whose machine is not known."""
 FloatArray = npt.NDArray[np.float64]
 Row = dict[str, Any]
 
@@ -53,7 +67,12 @@ def machine_data(
     marks: Iterable[Row] = (),
 ) -> Row:  # fmt: skip
     """Bodies, lines, arrows and events of a run, in a unit of length, m; marks of `event_marks`."""
-    machine = _Machine(picture, unit or unit_for(picture.size))
+    unit = unit or unit_for(picture.size)
+    machine: _Machine = (
+        _MachineInSpace(picture, unit)
+        if isinstance(picture, SpacePicture)
+        else _Machine(picture, unit)
+    )
     size = picture.size / machine.unit
     both = zip(picture.symbols, machine.first.symbols, strict=True)
     return {
@@ -66,6 +85,7 @@ def machine_data(
         "symbols": [machine.symbol(one, still) for one, still in both if _is_finite(still.shape)],
         "arrows": list(machine.arrows(series or {})),
         "events": [machine.with_place(mark) for mark in marks],
+        **machine.more(),
     }
 
 
@@ -87,6 +107,10 @@ class _Machine:
             for element, own in sides.items()
         }
 
+    def more(self) -> Row:
+        """What machines in space have besides."""
+        return {}
+
     def over_time(self, values: Any) -> Any:
         """A number at all instants, (k,)."""
         return np.broadcast_to(values, len(self.picture.poses))
@@ -96,7 +120,7 @@ class _Machine:
         points = self.over_time(points)
         return [points.real / self.unit, points.imag / self.unit]
 
-    def place(self, place: Place) -> Row:
+    def place(self, place: Any) -> Row:
         """A place of a shape."""
         if np.ndim(place.point):
             return {"path": self.path(self.picture.at(place))}
@@ -189,14 +213,18 @@ class _Machine:
         """All that acts, with its components over time."""
         kinds = {symbol.element: symbol.kind for symbol in self.picture.symbols}
         for load in acting_loads(self.picture, series):
-            value: Any = self.over_time(load.value)
-            parts = (value,) if load.style == "torque" else (value.real, value.imag)
+            parts = self.components(load)
             at = {"path": self.path(load.at)} if load.place is None else self.place(load.place)
             yield {
                 "element": load.element, "kind": kinds[load.element], "style": load.style,
                 "label": load.label, "unit": load.unit, "at": at,
                 "value": [rounded(part) for part in parts],
             }  # fmt: skip
+
+    def components(self, load: Load) -> Iterable[FloatArray]:
+        """Of a force along the global axes; of a torque in the plane it alone."""
+        value: Any = self.over_time(load.value)
+        return (value,) if load.style == "torque" else (value.real, value.imag)
 
     def with_place(self, mark: Row) -> Row:
         """A mark of an event with the place where bodies hit each other, if it flashes."""
@@ -217,11 +245,90 @@ class _Machine:
         return self.place(held[0]) if held else None
 
 
+class _MachineInSpace(_Machine):
+    """What a page has of a machine in space."""
+
+    picture: SpacePicture
+
+    def __init__(self, picture: SpacePicture, unit: float) -> None:
+        self.picture, self.first, self.unit = picture, picture.first, unit
+        self.strokes, self.touches = [], {}
+
+    def more(self) -> Row:
+        """Solids, and the usual view."""
+        right, up = self.picture.level
+        scale = np.full((3, 4), 1.0 / self.unit)
+        found = [
+            {
+                "form": one.form, "body": one.body, "element": one.element,
+                "matrix": (one.matrix * scale).ravel().round(9).tolist(),
+            }
+            for one in solids(self.picture)
+        ]  # fmt: skip
+        view = {"right": right.tolist(), "up": up.tolist(), "azimuth": AZIMUTH, "height": HEIGHT}
+        return {"solids": found, "view": view}
+
+    def path(self, points: Any) -> list[Any]:
+        """Components of points over time."""
+        return [np.asarray(c) for c in np.moveaxis(points / self.unit, -1, 0)]
+
+    def place(self, place: Any) -> Row:
+        """A place of a shape."""
+        if any(np.ndim(c) for c in place):
+            return {"path": self.path(self.picture.where(place))}
+        return {"body": place.body} | {
+            c: value / self.unit for c, value in zip("xyz", place[1:], strict=True)
+        }
+
+    def body(self, number: int) -> Row:
+        """A body."""
+        body, pose = self.picture.bodies[number], self.picture.poses[:, number].T
+        return {
+            "name": body.name, "fixed": body.fixed, "area": 0.0, "outlines": [],
+            "pose": [c / self.unit for c in pose[:3]], "turn": [*pose[3:]],
+        }  # fmt: skip
+
+    def rigid_lines(self) -> Iterator[Row]:
+        """None: solids are in their place."""
+        yield from ()
+
+    surfaces = rigid_lines
+
+    def symbol(self, symbol: Symbol, still: Symbol) -> Row:
+        """A symbol, where it is, and between which places it lies."""
+        held = [self.place(place) for place in places(symbol.shape)]
+        pair = isinstance(symbol.shape, shapes.Pair)
+        row: Row = {
+            "element": symbol.element,
+            "kind": symbol.kind,
+            "role": symbol.role,
+            "shape": symbol.shape.kind,
+            "at": held[1 if pair else 0] if held else None,
+        }
+        match symbol.shape:
+            case Pull(gx, gy, gz):
+                return row | {"gravity": [float(np.ravel(g)[0]) for g in (gx, gy, gz)]}
+            case Wrench(by, at):
+                return row | {"ties": [by, at.body]}
+            case shapes.Trace(at):
+                return row | {"path": self.path(self.picture.where(at))}
+            case shapes.Rod() | shapes.Spring():
+                parts = link_styles(symbol.shape)
+                width = SPRING * self.picture.size / self.unit
+                ends = dict(zip("ij", held, strict=True))
+                return row | ends | {"lines": [], "parts": parts, "half_width": width}
+        return row
+
+    def components(self, load: Load) -> Iterable[FloatArray]:
+        """Along the global axes."""
+        return np.broadcast_to(load.value, (len(self.picture.poses), 3)).T
+
+
 def _is_finite(shape: shapes.Shape) -> bool:
     """Whether all places and numbers of a shape are finite: the page leaves others out."""
     values = [getattr(shape, field.name) for field in fields(shape)]
     numbers = [value for value in values if isinstance(value, float)]
-    numbers += [number for value in values if isinstance(value, Place) for number in value]
+    numbers += [number for place in places(shape) for number in place]
     curves = [value.points for value in values if isinstance(value, Course)]
     return bool(np.isfinite(np.concatenate([numbers, *curves])).all())
 

@@ -29,20 +29,45 @@ SCRIPTS = (
 )  # fmt: skip
 """The modules of the script, each after those that it imports."""
 _PIXELS = 1.4  # layout: in a page, of a line that is a point wide in a figure
-_IMPORT = re.compile(r'^import (\{[^}]*\}) from "\./(\w+)\.js";$', re.MULTILINE)
+SPACE_SCRIPTS = (
+    "data", "poses", "signs", "scene", "labels", "arrows", "flashes", "camera", "solids", "stage",
+    "clock", "timeline", "curves", "state_text", "controls", "keys", "surroundings", "main",
+)  # fmt: skip
+"""The same of a page of machines in space: files of `page/space` stand in for those of their name,
+which they import as ../NAME.js."""
+_IMPORT = re.compile(r'^import (\{[^}]*\}) from "(\.\.?)/(\w+)\.js";$', re.MULTILINE)
+_LISTED = re.compile(r"^export \{ (\w+) \};\n", re.MULTILINE)
 _EXPORT = re.compile(r"^export ((?:async )?(?:const|function|class) (\w+))", re.MULTILINE)
 
 
 @cache
-def script() -> str:
+def script(in_space: bool = False) -> str:
     """All modules in one text: each is a function that is called once and returns its exports."""
     parts = ['"use strict";']
-    for name in SCRIPTS:
-        text = (_FOLDER / f"{name}.js").read_text(encoding="utf-8")
-        exports = ", ".join(found[2] for found in _EXPORT.finditer(text))
-        body = _EXPORT.sub(r"\1", _IMPORT.sub(r"const \1 = module_\2;", text))
-        parts.append(f"const module_{name} = (() => {{\n{body}return {{ {exports} }};\n}})();")
+    for name in SPACE_SCRIPTS if in_space else SCRIPTS:
+        own = _FOLDER / "space" / f"{name}.js"
+        replaced = in_space and own.exists()
+        plane = _FOLDER / f"{name}.js"
+        if plane.exists() and (not replaced or f'"../{name}.js"' in own.read_text("utf-8")):
+            parts.append(_module(f"plane_{name}" if replaced else name, plane))
+        if replaced:
+            parts.append(_module(name, own))
     return "\n".join(parts)
+
+
+def _module(name: str, file: Path) -> str:
+    text = file.read_text(encoding="utf-8")
+    listed = _LISTED.findall(text)
+    exports = ", ".join([*(found[2] for found in _EXPORT.finditer(text)), *listed])
+
+    def constant(found: re.Match[str]) -> str:
+        names, folder, other = found.groups()
+        is_plane = folder == ".." and (_FOLDER / "space" / f"{other}.js").exists()
+        source = f"module_plane_{other}" if is_plane else f"module_{other}"
+        return f"const {names.replace(' as ', ': ')} = {source};"
+
+    body = _EXPORT.sub(r"\1", _IMPORT.sub(constant, _LISTED.sub("", text)))
+    return f"const module_{name} = (() => {{\n{body}return {{ {exports} }};\n}})();"
 
 
 @cache
@@ -77,13 +102,18 @@ def _color(name: str) -> str:
 
 def page_text(
     title: str, data: str, below: str = "", about: str = "", *, has_curves: bool = True,
-    runs: int = 1,
+    runs: int = 1, in_space: bool = False,
 ) -> str:  # fmt: skip
     """The page as text, of `runs` runs beside each other, with curves where there is a motion.
 
     `data` is the block of `page_data`, `below` HTML under the player, `about` text under the title.
     """
     template = (_FOLDER / "page.html").read_text(encoding="utf-8")
+    if in_space:
+        place = '<script type="text/plain" id="data">'
+        template = template.replace(
+            place, f'<script type="text/plain" id="three">{{{{three}}}}</script>\n{place}'
+        )
     parts = {
         "title": escape(title),
         "about": f'<p class="about" title="{escape(about)}">{escape(about)}</p>' if about else "",
@@ -93,7 +123,8 @@ def page_text(
         "data": data,
         "panels": panels(runs).replace("</", "<\\/") if has_curves else "null",
         "library": library() if has_curves else "",
-        "script": script(),
+        "script": script(in_space),
+        "three": three() if in_space else "",
     }
     return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], template)
 
@@ -156,6 +187,12 @@ def library() -> str:
 
     folder = Path(bokeh.__file__).parent / "server" / "static" / "js"
     return compressed((folder / "bokeh.min.js").read_bytes())
+
+
+@cache
+def three() -> str:
+    """The script of three.js, compressed."""
+    return compressed((_FOLDER.parent / "three" / "three.js").read_bytes())
 
 
 @cache

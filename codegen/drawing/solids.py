@@ -1,0 +1,294 @@
+"""The solids of a picture in space, from the places at which elements hold its bodies.
+
+A solid is a unit form that a matrix carries into the frame of its body: a ball of radius 1, a
+cylinder of radius 1 along z from -1 to 1, or a box from -1 to 1. The page draws them as they are,
+figures their outlines.
+"""
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from codegen.drawing.picture import BAR, BLOCK, BOB, PIN, SAME, SpacePicture
+from codegen.drawing.plane_geometry import FloatArray
+from codegen.drawing.shapes import Mark, Pair, SpacePlace, Trace, places
+from codegen.drawing.space_shapes import Bulk, Push, SpaceJoint
+
+ROUND = 32  # layout: corners of a cylinder and of a ball's rings
+THIN = 0.6  # layout: radius of a bar, in half widths of a planar one
+PLATE = (0.055, 0.007)  # layout: half width and half height of the plate of a ground mark
+STEM = 0.05  # layout: height of a ground mark
+SLEEVE = 0.028  # layout: half length of the sleeve of a hinge
+LARGEST, SMALLEST = 0.2, 0.012  # layout: half sizes of a body that follow from its inertia
+SPOKE = 0.035  # layout: half width of the spoke of a disc, in its radii
+EQUAL = 0.02  # accuracy: of half sizes of a body that is drawn round
+
+
+class Solid(NamedTuple):
+    """A form of a body: "ball", "cylinder" or "box", and the matrix (3, 4) that places it, m."""
+
+    form: str
+    body: int
+    matrix: FloatArray
+    element: str = ""  # to which it belongs; of the body itself where there is none
+
+    @property
+    def center(self) -> FloatArray:
+        """The place of its middle in its body, (3,), m."""
+        return self.matrix[:, 3]
+
+    @property
+    def corners(self) -> FloatArray:
+        """Points of its body, (k, 3), m, whose convex hull it is."""
+        return np.asarray(self.matrix[:, 3] + _CORNERS[self.form] @ self.matrix[:, :3].T)
+
+
+_HOLDING = (Push, Mark, Trace)
+"""Shapes of one place that belongs to its body."""
+_ANGLES = 2.0 * np.pi * np.arange(ROUND) / ROUND
+_RING = np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES), np.zeros(ROUND)])
+_TILTS = np.pi * (np.arange(ROUND // 2 + 1) / (ROUND // 2) - 0.5)
+_ABOVE = np.array([0.0, 0.0, 1.0])
+_CORNERS = {
+    "ball": np.concatenate([_RING * np.cos(a) + np.sin(a) * _ABOVE for a in _TILTS]),
+    "cylinder": np.concatenate([_RING - _ABOVE, _RING + _ABOVE]),
+    "box": np.stack(np.meshgrid([-1.0, 1], [-1.0, 1], [-1.0, 1]), axis=-1).reshape(-1, 3),
+}
+
+
+def solids(picture: SpacePicture) -> list[Solid]:
+    """The solids of all bodies and joints, which are fixed in bodies; of the first instant."""
+    first = picture.first
+    assert isinstance(first, SpacePicture)
+    maker = _Maker(picture, first)
+    found = [one for body in range(1, len(picture.bodies)) for one in maker.body(body)]
+    found += [one for symbol in first.symbols for one in maker.joint(symbol.element, symbol.shape)]
+    return [one for one in found if np.isfinite(one.matrix).all()]
+
+
+def reach(picture: SpacePicture) -> float:
+    """The diagonal of the box about the places that elements hold, and the bodies, m; or 1 m."""
+    held = [picture.where(place) for _, pair in picture.having(Pair) for place in (pair.i, pair.j)]
+    points = np.array([*held, *(pose[:3] for pose in picture.poses[1:])]).reshape(-1, 3)
+    points = points[np.isfinite(points).all(axis=1)]
+    long = float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
+    bulks = [2.0 * half_sizes(bulk).max() for _, bulk in picture.having(Bulk)]
+    return long or max(bulks, default=1.0)
+
+
+def half_sizes(bulk: Bulk) -> FloatArray:
+    """Half sizes of a box with a mass and principal moments, (3,), m: a² = 3 (J_y + J_z - J_x)/2m.
+
+    Of a matrix that is not diagonal they are along its principal axes.
+    """
+    moments = np.linalg.eigvalsh(_inertia(bulk)) if _is_skew(bulk) else np.diag(_inertia(bulk))
+    square = 1.5 * (moments.sum() - 2.0 * moments) / _now(bulk.mass)
+    return np.asarray(np.sqrt(np.maximum(square, 0.0)))
+
+
+def _now(number: Any) -> float:
+    return float(np.ravel(number)[0])
+
+
+def _inertia(bulk: Bulk) -> FloatArray:
+    xx, yy, zz, xy, xz, yz = (
+        _now(j) for j in (bulk.jxx, bulk.jyy, bulk.jzz, bulk.jxy, bulk.jxz, bulk.jyz)
+    )
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def _is_skew(bulk: Bulk) -> bool:
+    return any(_now(j) != 0.0 for j in (bulk.jxy, bulk.jxz, bulk.jyz))
+
+
+def axes_along(way: FloatArray) -> FloatArray:
+    """Three axes as columns, (3, 3), of which the last one is a direction."""
+    z = way / (np.linalg.norm(way) or 1.0)
+    x = np.cross(np.eye(3)[int(np.argmin(np.abs(z)))], z)
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(z, x), z])
+
+
+def bar(body: int, start: Any, end: Any, radius: float, element: str = "") -> Solid:
+    """A cylinder between two points."""
+    way = np.asarray(end, dtype=float) - start
+    axes = axes_along(way) * [radius, radius, np.linalg.norm(way) / 2.0]
+    middle = start + way / 2.0
+    return Solid("cylinder", body, np.column_stack([axes, middle]), element)
+
+
+def ball(body: int, at: Any, radius: float, element: str = "") -> Solid:
+    """A ball about a point."""
+    return Solid("ball", body, np.column_stack([radius * np.eye(3), at]), element)
+
+
+def box(body: int, at: Any, axes: FloatArray, halves: Any, element: str = "") -> Solid:
+    """A box about a point, with axes as columns and half sizes along them."""
+    return Solid("box", body, np.column_stack([axes * halves, at]), element)
+
+
+def _point(place: SpacePlace) -> FloatArray:
+    return np.array([_now(c) for c in place[1:]])
+
+
+class _Maker:
+    """What the solids of a picture follow from."""
+
+    def __init__(self, picture: SpacePicture, first: SpacePicture) -> None:
+        self.picture, self.first, self.size = picture, first, picture.size
+        moving = first.poses[None] if picture.motion is None else picture.motion
+        step = max(1, len(moving) // 500)  # layout: instants from which rails have their length
+        self.motion = SpacePicture("", picture.bodies, moving[::step], first.symbols)
+
+    def body(self, number: int) -> Iterator[Solid]:
+        """A bar, a star of bars, a disc or a box; nothing of a body that is not the picture's."""
+        size, first = self.size, self.first
+        if first.is_ground(number):
+            return
+        radius = THIN * BAR * size
+        held = self._held(number)
+        bulk = next((b for _, b in first.having(Bulk) if b.at.body == number), None)
+        hinge = next(
+            (axis for place, axis in self._hinges(number) if np.linalg.norm(place) < SAME * size),
+            None,
+        )
+        if len(held) > 1 or (len(held) == 1 and np.linalg.norm(held[0]) > SAME * size):
+            yield from self._bars(number, held, radius)
+        blocks = (s.j.body for _, s in first.having(SpaceJoint) if s.form == "rail")
+        if bulk is not None and number not in blocks:
+            yield from self._bulk(number, bulk)
+        elif len(held) == 1 and hinge is not None:
+            way = 0.6 * BAR * size * hinge
+            yield bar(number, -way, way, BOB * size)
+        elif not len(held):
+            yield ball(number, np.zeros(3), BOB * size)
+
+    def _held(self, number: int) -> FloatArray:
+        """The distinct places of a body that joints, rods and springs hold, (k, 3), m."""
+        found: list[FloatArray] = []
+        for symbol in self.first.symbols:
+            pair = isinstance(symbol.shape, Pair)
+            known = places(symbol.shape) if pair or isinstance(symbol.shape, _HOLDING) else []
+            for place in known[: 2 if pair else 1]:
+                at = _point(place)
+                if place.body != number or not np.isfinite(at).all():
+                    continue
+                at_center = isinstance(symbol.shape, Push) and not at.any()
+                is_new = all(np.linalg.norm(at - one) > SAME * self.size for one in found)
+                if is_new and not at_center:
+                    found.append(at)
+        return np.array(found).reshape(-1, 3)
+
+    def _hinges(self, number: int) -> Iterator[tuple[FloatArray, FloatArray]]:
+        """Places and axes of the hinges of a body, in its frame."""
+        for _, one in self.first.having(SpaceJoint):
+            for end in (one.i, one.j) if one.form in ("hinge", "shaft") else ():
+                if end.body == number:
+                    yield _point(end), self.first.within(self.first.along(one.axis), number)
+
+    def _bars(self, number: int, held: FloatArray, radius: float) -> Iterator[Solid]:
+        """A bar through places on a line with the centre of mass, else bars to that centre."""
+        points = np.concatenate([held, np.zeros((1, 3))])
+        away = points - held[0]
+        far = int(np.argmax(np.linalg.norm(away, axis=1)))
+        along = away[far] / np.linalg.norm(away[far])
+        shares = away @ along
+        if np.linalg.norm(away - np.outer(shares, along), axis=1).max() < SAME * self.size:
+            ends = held[0] + np.outer([shares.min(), shares.max()], along)
+            yield bar(number, ends[0], ends[1], radius)
+            if shares[-1] in (shares.min(), shares.max()) and np.linalg.norm(held, axis=1).all():
+                yield ball(number, np.zeros(3), BOB * self.size)
+            return
+        for at in held:
+            if at.any():
+                yield bar(number, np.zeros(3), at, radius)
+                yield ball(number, at, radius)
+
+    def _bulk(self, number: int, bulk: Bulk) -> Iterator[Solid]:
+        """A ball, a disc, a rod or a box with the inertia of a body, within a share of the size."""
+        halves = half_sizes(bulk)
+        axes = np.linalg.eigh(_inertia(bulk))[1] if _is_skew(bulk) else np.eye(3)
+        halves = halves * min(1.0, LARGEST * self.size / (halves.max() or 1.0))
+        halves = np.maximum(halves, SMALLEST * self.size)
+        if np.ptp(halves) < EQUAL * halves.max():
+            yield ball(number, np.zeros(3), float(halves.max()))
+            return
+        for k in range(3):
+            one, other = halves[k - 1], halves[k - 2]
+            if abs(one - other) < EQUAL * halves.max():
+                way = halves[k] * axes[:, k]
+                yield bar(number, -way, way, float(one))
+                if halves[k] < one:  # a spoke shows that it turns
+                    spoke = np.full(3, SPOKE * one) + np.eye(3)[k] * halves[k]
+                    spoke[k - 1] = 0.86 * one
+                    yield box(number, np.zeros(3), axes, spoke)
+                return
+        yield box(number, np.zeros(3), axes, halves)
+
+    def joint(self, element: str, shape: Any) -> Iterator[Solid]:
+        """The solids of a joint, and what holds it to the ground."""
+        pin = PIN * self.size
+        if isinstance(shape, Mark):
+            yield ball(shape.at.body, _point(shape.at), pin, element)
+        if isinstance(shape, SpaceJoint):
+            yield from self._form(element, shape, pin)
+        if isinstance(shape, Pair) and getattr(shape, "form", "") != "rail":
+            yield from self._ground(element, shape)
+
+    def _form(self, element: str, joint: SpaceJoint, pin: float) -> Iterator[Solid]:
+        i, j, at, block = joint.i, joint.j, _point(joint.i), BLOCK[0] * self.size
+        h = np.zeros(3) if joint.axis is None else _point(joint.axis)
+        first, last = self._travel(joint) if joint.slides else (0.0, 0.0)
+        inner = self.first.within(self.first.along(joint.axis), j.body) if joint.axis else h
+        sleeve = SLEEVE * self.size
+        match joint.form:
+            case "hinge" | "shaft":
+                ends = at + (first - 1.6 * sleeve) * h, at + (last + 1.6 * sleeve) * h
+                yield bar(i.body, *ends, 0.8 * pin, element)
+                middle, half = _point(j), sleeve * inner
+                yield bar(j.body, middle - half, middle + half, 1.5 * pin, element)
+            case "rail":
+                ends = at + (first - 2 * block) * h, at + (last + 2 * block) * h
+                yield bar(i.body, *ends, 0.7 * pin, element)
+                halves = [BLOCK[1] * self.size, BLOCK[1] * self.size, block]
+                yield box(j.body, _point(j), axes_along(inner), halves)
+            case "cross":
+                for end, axis in ((i, joint.axis), (j, joint.axis_j)):
+                    middle, half = _point(end), 1.2 * sleeve * _point(axis)
+                    yield bar(end.body, middle - half, middle + half, 0.8 * pin, element)
+                yield ball(i.body, at, 1.2 * pin, element)
+            case "clamp":
+                yield box(i.body, at, np.eye(3), 1.3 * pin, element)
+            case _:
+                yield ball(i.body, at, 1.7 * pin, element)
+
+    def _travel(self, shape: Any) -> tuple[float, float]:
+        """Least and largest travel of place j from place i along the axis in the motion, m."""
+        away = self.motion.where(shape.j) - self.motion.where(shape.i)
+        travel = (away * self.motion.along(shape.axis)).sum(axis=-1)
+        travel = travel[np.isfinite(travel)]
+        return (float(travel.min()), float(travel.max())) if len(travel) else (0.0, 0.0)
+
+    def _ground(self, element: str, pair: Pair) -> Iterator[Solid]:
+        """A plate on a stem below each place on the ground."""
+        size, up = self.size, self.picture.up
+        for place in (pair.i, pair.j):
+            if self.first.is_ground(place.body):
+                at = _point(place)
+                foot = at - STEM * size * up
+                axis = getattr(pair, "axis", None)
+                if axis is not None and abs(self.first.along(axis) @ up) > 0.9:
+                    foot = at - (STEM + SLEEVE) * size * up
+                yield bar(place.body, foot, at, 0.8 * PIN * size, element)
+                half, high = (part * size for part in PLATE)
+                yield box(place.body, foot, axes_along(up), [half, half, high], element)
+
+
+def held_apart(picture: SpacePicture, joint: SpaceJoint) -> FloatArray:
+    """From place i of a joint to place j, (3,), m, without its share along the axis of a slide."""
+    away = picture.where(joint.j) - picture.where(joint.i)
+    if joint.slides:
+        way = picture.along(joint.axis)
+        away = away - (away @ way) * way
+    return np.asarray(away)

@@ -1,0 +1,6 @@
+// What the pages of machines in space use of three.js; README.md says how three.js follows from it.
+
+export {
+  AmbientLight, BoxGeometry, CatmullRomCurve3, Color, CylinderGeometry, DirectionalLight, Group, Mesh, MeshLambertMaterial,
+  OrthographicCamera, Raycaster, Scene, SphereGeometry, TubeGeometry, Vector2, Vector3, WebGLRenderer,
+} from "three";
