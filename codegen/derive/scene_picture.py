@@ -83,7 +83,7 @@ def scene_picture(
         for element in members
         for shape in _shapes(element, role, hubs)
     ]
-    found += [_bulk(body, numbers) for body in _loose(bodies, found, numbers)]
+    found += [*_bulks(bodies, found, numbers)]
     constants = tuple(
         (Parameter(name, real=True), value)
         for name, value in parameters.items()
@@ -104,22 +104,19 @@ def _turn(body: Body) -> tuple[sympy.Expr, ...]:
     return body.rotation if body.angle is None else (body.angle,)
 
 
-def _loose(bodies: Bodies, found: Iterable[Symbol], numbers: Mapping[Body, int]) -> Iterator[Body]:
-    """The bodies in space with mass that are held at one place or none."""
+def _bulks(
+    bodies: Bodies, found: Iterable[Symbol], numbers: Mapping[Body, int]
+) -> Iterator[Symbol]:
+    """The shapes, by mass and inertia, of bodies in space that are held at one place or none."""
     pairs = [one.shape for one in found if isinstance(one.shape, Pair)]
     held = [place.body for pair in pairs for place in (pair.i, pair.j)]
     for body in bodies:
-        is_loose = isinstance(body, SpaceBody) and held.count(numbers[body]) < 2
-        if is_loose and None not in (body.mass, body.inertia):
-            yield body
-
-
-def _bulk(body: Any, numbers: Mapping[Body, int]) -> Symbol:
-    """The shape of a body that follows from its mass and inertia."""
-    j = body.inertia
-    entries = (j[0, 0], j[1, 1], j[2, 2], j[0, 1], j[0, 2], j[1, 2])
-    shape = Bulk(SpacePoint(body, 0, 0, 0), body.mass, *entries)
-    return Symbol(body.name, "body", "body", _numbered(shape, numbers))
+        j: Any = body.inertia
+        is_loose = held.count(numbers[body]) < 2
+        if isinstance(body, SpaceBody) and is_loose and None not in (body.mass, j):
+            entries = (j[0, 0], j[1, 1], j[2, 2], j[0, 1], j[0, 2], j[1, 2])
+            shape = Bulk(SpacePoint(body, 0, 0, 0), body.mass, *entries)
+            yield Symbol(body.name, "body", "body", _numbered(shape, numbers))
 
 
 def _numbered(shape: Shape, numbers: Mapping[Body, int]) -> Shape:

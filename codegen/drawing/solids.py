@@ -18,9 +18,11 @@ from codegen.drawing.space_shapes import Bulk, Push, SpaceJoint
 ROUND = 32  # layout: corners of a cylinder and of a ball's rings
 THIN = 0.6  # layout: radius of a bar, in half widths of a planar one
 PLATE = (0.055, 0.007)  # layout: half width and half height of the plate of a ground mark
+LINKS = 6.0  # layout: bodies in a typical length of a chain
 STEM = 0.05  # layout: height of a ground mark
 SLEEVE = 0.028  # layout: half length of the sleeve of a hinge
 LARGEST, SMALLEST = 0.2, 0.012  # layout: half sizes of a body that follow from its inertia
+BALL, DISC = (5 / 3) ** 0.5, (4 / 3) ** 0.5  # formula: radii, in half sides of a box of as much J
 SPOKE = 0.035  # layout: half width of the spoke of a disc, in its radii
 EQUAL = 0.02  # accuracy: of half sizes of a body that is drawn round
 
@@ -68,38 +70,42 @@ def solids(picture: SpacePicture) -> list[Solid]:
 
 
 def reach(picture: SpacePicture) -> float:
-    """The diagonal of the box about the places that elements hold, and the bodies, m; or 1 m."""
-    held = [picture.where(place) for _, pair in picture.having(Pair) for place in (pair.i, pair.j)]
-    points = np.array([*held, *(pose[:3] for pose in picture.poses[1:])]).reshape(-1, 3)
-    points = points[np.isfinite(points).all(axis=1)]
-    long = float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
-    bulks = [2.0 * half_sizes(bulk).max() for _, bulk in picture.having(Bulk)]
-    return long or max(bulks, default=1.0)
+    """A typical length, m: the diagonal of the box about all bodies and the places that hold them.
 
-
-def half_sizes(bulk: Bulk) -> FloatArray:
-    """Half sizes of a box with a mass and principal moments, (3,), m: a² = 3 (J_y + J_z - J_x)/2m.
-
-    Of a matrix that is not diagonal they are along its principal axes.
+    In a chain of short bodies it is `LINKS` of them; it is 1 m where everything is at one place.
     """
-    moments = np.linalg.eigvalsh(_inertia(bulk)) if _is_skew(bulk) else np.diag(_inertia(bulk))
+    held = [place for _, pair in picture.having(Pair) for place in (pair.i, pair.j)]
+    own = [[picture.where(place) for place in held if place.body == k]
+           for k in range(1, len(picture.bodies))]  # fmt: skip
+    long = [_diagonal(points) for points in own if len(points) > 1]
+    everything = [*map(picture.where, held), *picture.poses[1:, :3]]
+    whole = min(_diagonal(everything), LINKS * float(np.median(long)) if any(long) else np.inf)
+    bulks = [2.0 * half_sizes(bulk)[0].max() for _, bulk in picture.having(Bulk)]
+    return whole or max(bulks, default=0.0) or 1.0
+
+
+def _diagonal(points: list[FloatArray]) -> float:
+    known = np.array(points).reshape(-1, 3)
+    known = known[np.isfinite(known).all(axis=1)]
+    return float(np.linalg.norm(np.ptp(known, axis=0))) if len(known) else 0.0
+
+
+def half_sizes(bulk: Bulk) -> tuple[FloatArray, FloatArray]:
+    """Half sizes, (3,), m, and axes as columns of a box with a mass and an inertia.
+
+    a² = 3 (J_b + J_c - J_a) / 2m along each principal axis.
+    """
+    xx, yy, zz, xy, xz, yz = (
+        _now(j) for j in (bulk.jxx, bulk.jyy, bulk.jzz, bulk.jxy, bulk.jxz, bulk.jyz)
+    )
+    moments, axes = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    axes[:, 2] *= np.linalg.det(axes)
     square = 1.5 * (moments.sum() - 2.0 * moments) / _now(bulk.mass)
-    return np.asarray(np.sqrt(np.maximum(square, 0.0)))
+    return np.sqrt(np.maximum(square, 0.0)), axes
 
 
 def _now(number: Any) -> float:
     return float(np.ravel(number)[0])
-
-
-def _inertia(bulk: Bulk) -> FloatArray:
-    xx, yy, zz, xy, xz, yz = (
-        _now(j) for j in (bulk.jxx, bulk.jyy, bulk.jzz, bulk.jxy, bulk.jxz, bulk.jyz)
-    )
-    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-
-
-def _is_skew(bulk: Bulk) -> bool:
-    return any(_now(j) != 0.0 for j in (bulk.jxy, bulk.jxz, bulk.jyz))
 
 
 def axes_along(way: FloatArray) -> FloatArray:
@@ -142,26 +148,21 @@ class _Maker:
         self.motion = SpacePicture("", picture.bodies, moving[::step], first.symbols)
 
     def body(self, number: int) -> Iterator[Solid]:
-        """A bar, a star of bars, a disc or a box; nothing of a body that is not the picture's."""
+        """A bar or a star of bars, and what follows from the inertia; nothing of the ground."""
         size, first = self.size, self.first
         if first.is_ground(number):
             return
         radius = THIN * BAR * size
         held = self._held(number)
         bulk = next((b for _, b in first.having(Bulk) if b.at.body == number), None)
-        hinge = next(
-            (axis for place, axis in self._hinges(number) if np.linalg.norm(place) < SAME * size),
-            None,
-        )
         if len(held) > 1 or (len(held) == 1 and np.linalg.norm(held[0]) > SAME * size):
             yield from self._bars(number, held, radius)
         blocks = (s.j.body for _, s in first.having(SpaceJoint) if s.form == "rail")
-        if bulk is not None and number not in blocks:
+        if number in blocks:
+            return
+        if bulk is not None:
             yield from self._bulk(number, bulk)
-        elif len(held) == 1 and hinge is not None:
-            way = 0.6 * BAR * size * hinge
-            yield bar(number, -way, way, BOB * size)
-        elif not len(held):
+        elif not held.any():
             yield ball(number, np.zeros(3), BOB * size)
 
     def _held(self, number: int) -> FloatArray:
@@ -179,13 +180,6 @@ class _Maker:
                 if is_new and not at_center:
                     found.append(at)
         return np.array(found).reshape(-1, 3)
-
-    def _hinges(self, number: int) -> Iterator[tuple[FloatArray, FloatArray]]:
-        """Places and axes of the hinges of a body, in its frame."""
-        for _, one in self.first.having(SpaceJoint):
-            for end in (one.i, one.j) if one.form in ("hinge", "shaft") else ():
-                if end.body == number:
-                    yield _point(end), self.first.within(self.first.along(one.axis), number)
 
     def _bars(self, number: int, held: FloatArray, radius: float) -> Iterator[Solid]:
         """A bar through places on a line with the centre of mass, else bars to that centre."""
@@ -207,18 +201,17 @@ class _Maker:
 
     def _bulk(self, number: int, bulk: Bulk) -> Iterator[Solid]:
         """A ball, a disc, a rod or a box with the inertia of a body, within a share of the size."""
-        halves = half_sizes(bulk)
-        axes = np.linalg.eigh(_inertia(bulk))[1] if _is_skew(bulk) else np.eye(3)
+        halves, axes = half_sizes(bulk)
         halves = halves * min(1.0, LARGEST * self.size / (halves.max() or 1.0))
         halves = np.maximum(halves, SMALLEST * self.size)
         if np.ptp(halves) < EQUAL * halves.max():
-            yield ball(number, np.zeros(3), float(halves.max()))
+            yield ball(number, np.zeros(3), BALL * float(halves.max()))
             return
         for k in range(3):
             one, other = halves[k - 1], halves[k - 2]
             if abs(one - other) < EQUAL * halves.max():
-                way = halves[k] * axes[:, k]
-                yield bar(number, -way, way, float(one))
+                way, one = halves[k] * axes[:, k], DISC * float(one)
+                yield bar(number, -way, way, one)
                 if halves[k] < one:  # a spoke shows that it turns
                     spoke = np.full(3, SPOKE * one) + np.eye(3)[k] * halves[k]
                     spoke[k - 1] = 0.86 * one

@@ -87,10 +87,29 @@ def test_a_free_body_has_the_form_of_its_inertia(inertia: tuple[float, ...], for
     picture = drawn(model)
     assert form in {one.form for one in of(picture, "b")}
     ((_, bulk),) = picture.having(Bulk)
-    a, b, c = half_sizes(bulk)
+    (a, b, c), _ = half_sizes(bulk)
     moments = 2.0 / 3.0 * np.array([b**2 + c**2, a**2 + c**2, a**2 + b**2])  # of a box of 2 kg
     j = inertia if len(inertia) == 3 else (0.15, 0.25, 0.3)
     assert_allclose(sorted(moments), sorted(j), rtol=1e-12)
+
+
+def test_a_ball_and_a_disc_have_the_radius_of_their_inertia() -> None:
+    mass, radius, high = 3.0, 0.25, 0.04
+    ball = 0.4 * mass * radius**2
+    disc = mass * radius**2 / 2, mass * (3 * radius**2 + high**2) / 12
+    for moments in ([ball] * 3, [disc[1], disc[0], disc[1]]):
+        model = Model("round", space=True)
+        model.body("b", mass, moments)
+        for k, end in enumerate(
+            model.body(f"end{s}", 1.0, [1.0] * 3, at=(s, 0, 0)) for s in (1, 5)
+        ):
+            model.spherical(f"S{k}", model.ground, end, at=end.place)  # far away: it is not capped
+        model.scene("s")
+        solid = of(drawn(model), "b")[0]
+        lengths = np.linalg.norm(solid.matrix[:, :3], axis=0)
+        assert_allclose(sorted(lengths)[-2:], radius, rtol=1e-9)
+        if solid.form == "cylinder":
+            assert_allclose(lengths[2], max(high / 2, 0.012 * drawn(model).size), rtol=1e-9)
 
 
 def test_the_view_has_gravity_downward_and_axes_of_a_right_hand() -> None:

@@ -35,7 +35,7 @@ from codegen.drawing.picture import (
     SpacePicture,
     Symbol,
 )
-from codegen.drawing.shapes import ContactSide, Course, Place, places
+from codegen.drawing.shapes import ContactSide, Course, Place, SpacePlace, places
 from codegen.drawing.solids import solids
 from codegen.drawing.space_shapes import Pull, Wrench
 from codegen.drawing.styles import STYLES, Stroke, size_of
@@ -68,11 +68,8 @@ def machine_data(
 ) -> Row:  # fmt: skip
     """Bodies, lines, arrows and events of a run, in a unit of length, m; marks of `event_marks`."""
     unit = unit or unit_for(picture.size)
-    machine: _Machine = (
-        _MachineInSpace(picture, unit)
-        if isinstance(picture, SpacePicture)
-        else _Machine(picture, unit)
-    )
+    kind: type[_Machine] = _MachineInSpace if isinstance(picture, SpacePicture) else _Machine
+    machine = kind(picture, unit)
     size = picture.size / machine.unit
     both = zip(picture.symbols, machine.first.symbols, strict=True)
     return {
@@ -256,16 +253,12 @@ class _MachineInSpace(_Machine):
 
     def more(self) -> Row:
         """Solids, and the usual view."""
-        right, up = self.picture.level
-        scale = np.full((3, 4), 1.0 / self.unit)
+        right, up = (axis.tolist() for axis in self.picture.level)
         found = [
-            {
-                "form": one.form, "body": one.body, "element": one.element,
-                "matrix": (one.matrix * scale).ravel().round(9).tolist(),
-            }
+            one._asdict() | {"matrix": (one.matrix / self.unit).ravel().round(9).tolist()}
             for one in solids(self.picture)
-        ]  # fmt: skip
-        view = {"right": right.tolist(), "up": up.tolist(), "azimuth": AZIMUTH, "height": HEIGHT}
+        ]
+        view = {"right": right, "up": up, "azimuth": AZIMUTH, "height": HEIGHT}
         return {"solids": found, "view": view}
 
     def path(self, points: Any) -> list[Any]:
@@ -292,26 +285,28 @@ class _MachineInSpace(_Machine):
         """None: solids are in their place."""
         yield from ()
 
-    surfaces = rigid_lines
+    def _place_of_hit(self, element: str, t: float) -> Row | None:
+        """A place that an element holds, or the middle of a body that touches."""
+        own = [symbol.shape for symbol in self.picture.symbols if symbol.element == element]
+        bodies = [b for one in own if isinstance(one, shapes.Contact) for b in one.bodies]
+        held = [place for one in own for place in places(one)[:2]]
+        held += [SpacePlace(b, 0.0, 0.0, 0.0) for b in bodies if not self.picture.is_ground(b)]
+        return self.place(held[0]) if held else None
 
     def symbol(self, symbol: Symbol, still: Symbol) -> Row:
         """A symbol, where it is, and between which places it lies."""
         held = [self.place(place) for place in places(symbol.shape)]
         pair = isinstance(symbol.shape, shapes.Pair)
-        row: Row = {
-            "element": symbol.element,
-            "kind": symbol.kind,
-            "role": symbol.role,
-            "shape": symbol.shape.kind,
-            "at": held[1 if pair else 0] if held else None,
-        }
+        at = held[1 if pair else 0] if held else None
+        row: Row = {"element": symbol.element, "kind": symbol.kind, "role": symbol.role,
+                    "shape": symbol.shape.kind, "at": at}  # fmt: skip
         match symbol.shape:
             case Pull(gx, gy, gz):
                 return row | {"gravity": [float(np.ravel(g)[0]) for g in (gx, gy, gz)]}
             case Wrench(by, at):
                 return row | {"ties": [by, at.body]}
-            case shapes.Trace(at):
-                return row | {"path": self.path(self.picture.where(at))}
+            case shapes.Trace():
+                return row | {"path": self.path(self.picture.where(symbol.shape.at))}
             case shapes.Rod() | shapes.Spring():
                 parts = link_styles(symbol.shape)
                 width = SPRING * self.picture.size / self.unit

@@ -29,9 +29,10 @@ SCRIPTS = (
 )  # fmt: skip
 """The modules of the script, each after those that it imports."""
 _PIXELS = 1.4  # layout: in a page, of a line that is a point wide in a figure
-SPACE_SCRIPTS = (
-    "data", "poses", "signs", "scene", "labels", "arrows", "flashes", "camera", "solids", "stage",
-    "clock", "timeline", "curves", "state_text", "controls", "keys", "surroundings", "main",
+_PLANE_ALONE = {"lines", "traces", "hold"}
+SPACE_SCRIPTS = tuple(
+    part for name in SCRIPTS if name not in _PLANE_ALONE
+    for part in (("solids", name) if name == "stage" else (name,))
 )  # fmt: skip
 """The same of a page of machines in space: files of `page/space` stand in for those of their name,
 which they import as ../NAME.js."""

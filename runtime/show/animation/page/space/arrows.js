@@ -43,15 +43,10 @@ export function drawArrows(scene) {
 /** Draws an arrow from a place by (dx, dy) px, a torque with two heads; returns where its text may stand. */
 function draw({ line, style }, at, dx, dy, cut) {
   const long = Math.max(Math.hypot(dx, dy), 2);
-  const [ux, uy] = [dx / long, dy / long];
-  const head = Math.min(HEAD, 0.6 * long);
-  const wings = (far, wide = 0.45) => {
-    const [x, y] = [at.x + far * ux, at.y + far * uy];
-    const back = (side) => `${x - head * ux + side * wide * head * uy} ${y - head * uy - side * wide * head * ux}`;
-    return `M${back(1)}L${x} ${y}L${back(-1)}`;
-  };
-  const strokes = cut ? wings(0.5 * long, 1) + wings(0.6 * long, 1) : "";
-  const second = style === "torque" ? wings(long - 0.7 * head) : "";
-  line.setAttribute("d", `M${at.x} ${at.y}L${at.x + long * ux} ${at.y + long * uy}${wings(long)}${second}${strokes}`);
+  const [ux, uy, head] = [dx / long, dy / long, Math.min(HEAD, 0.6 * long)];
+  const on = (far, aside = 0) => `${at.x + far * ux - aside * uy} ${at.y + far * uy + aside * ux}`;
+  const wings = (far, wide = 0.45) => `M${on(far - head, wide * head)}L${on(far)}L${on(far - head, -wide * head)}`;
+  const more = (cut ? wings(0.5 * long, 1) + wings(0.6 * long, 1) : "") + (style === "torque" ? wings(long - 0.7 * head) : "");
+  line.setAttribute("d", `M${on(0)}L${on(long)}${wings(long)}${more}`);
   return { x: at.x + (long + 8) * ux + (ux < 0 ? -4 : 4), y: at.y + (long + 8) * uy + 4, end: ux < -0.2 };
 }

@@ -1,6 +1,7 @@
 // From a place in space to px: a direction of view, and zoom and pan in its plane, as in the plane.
 
 import { Camera as PlaneCamera, steer } from "../camera.js";
+import { extent } from "./scene.js";
 
 const STEEP = Math.PI / 2; // rad, the view from above
 const SLOW = 0.008; // rad that a px turns the view
@@ -13,7 +14,9 @@ const mixedOf = (a, b, c, s) => a.map((value, k) => c * value + s * b[k]);
 export class Camera extends PlaneCamera {
   constructor(machine, whole, from = null) {
     super([-1, -1, 1, 1], [-1, -1, 1, 1]);
-    Object.assign(this, { solid: [machine, whole], start: from, now: from });
+    const [low, high] = extent(machine);
+    const center = low.map((value, k) => (value + high[k]) / 2 || 0);
+    Object.assign(this, { solid: [machine, whole], center, start: from, now: from });
     this.orient({ right: [1, 0, 0], up: [0, 0, 1], azimuth: 0, height: 0 });
   }
 
@@ -30,15 +33,12 @@ export class Camera extends PlaneCamera {
     const { right, up } = this.usual;
     const pivot = this.axes && this.toScreen(this.pivot);
     this.azimuth = azimuth;
-    this.height3 = Math.min(Math.max(height, -STEEP), STEEP);
-    const [c, s, ch, sh] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(this.height3), Math.sin(this.height3)];
+    this.tilt = Math.min(Math.max(height, -STEEP), STEEP);
+    const [c, s, ch, sh] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(this.tilt), Math.sin(this.tilt)];
     const level = mixedOf(this.front, right, c, s);
     const toward = mixedOf(level, up, ch, sh);
     const across = mixedOf(right, this.front, c, -s);
     this.axes = [across, cross(toward, across), toward];
-    const shown = this.boxes.indexOf(this.box);
-    this.boxes = this.solid.map((points) => this.flatBox(points));
-    this.box = this.boxes[Math.max(shown, 0)];
     if (this.start) [this.from, this.to] = [this.flat(this.start), this.flat(this.now)];
     if (!pivot) return;
     const moved = this.toScreen(this.pivot);
@@ -46,26 +46,28 @@ export class Camera extends PlaneCamera {
     this.y += pivot.y - moved.y;
   }
 
+  fit() {
+    if (this.axes) {
+      const shown = this.boxes.indexOf(this.box);
+      this.boxes = this.solid.map((points) => this.flatBox(points));
+      this.box = this.boxes[shown];
+    }
+    super.fit();
+  }
+
   /** The middle of the machine, about which the view turns. */
   get pivot() {
-    const [points] = this.solid;
-    const at = [0, 1, 2].map((k) => {
-      let [low, high] = [Infinity, -Infinity];
-      for (let j = k; j < points.length; j += 3) [low, high] = [Math.min(low, points[j]), Math.max(high, points[j])];
-      return low > high ? 0 : (low + high) / 2;
-    });
-    const shift = this.follows ? ["x", "y", "z"].map((c) => this.now[c] - this.start[c]) : [0, 0, 0];
-    return { x: at[0] + shift[0], y: at[1] + shift[1], z: at[2] + shift[2] };
+    const [x, y, z] = this.center.map((value, k) => value + (this.follows ? this.now["xyz"[k]] - this.start["xyz"[k]] : 0));
+    return { x, y, z };
   }
 
   flatBox(points) {
     const box = [Infinity, Infinity, -Infinity, -Infinity];
     for (let k = 0; k + 2 < points.length; k += 3) {
       const { x, y } = this.flat({ x: points[k], y: points[k + 1], z: points[k + 2] });
-      box[0] = Math.min(box[0], x);
-      box[1] = Math.min(box[1], y);
-      box[2] = Math.max(box[2], x);
-      box[3] = Math.max(box[3], y);
+      [x, y, x, y].forEach((value, j) => {
+        box[j] = j < 2 ? Math.min(box[j], value) : Math.max(box[j], value);
+      });
     }
     return box.every(Number.isFinite) ? box : [-1, -1, 1, 1];
   }
@@ -82,7 +84,7 @@ export class Camera extends PlaneCamera {
   /** Turns all views by px of a drag. */
   turn(dx, dy) {
     for (const camera of this.linked) {
-      camera.face(camera.azimuth - SLOW * dx, camera.height3 + SLOW * dy);
+      camera.face(camera.azimuth - SLOW * dx, camera.tilt + SLOW * dy);
       camera.moved = true;
       camera.changed();
     }

@@ -4,6 +4,7 @@ import { locate, mixed } from "../poses.js";
 import { Scene as PlaneScene } from "../scene.js";
 
 const FAR = 4; // times the machine's size that it travels, above which the view goes along
+const RARELY = 3; // of the surveyed instants one gives points to the view
 const LARGEST_TURN = 0.3; // rad between samples, above which the nearer one is shown
 
 /** A list of points in turn, without one: what a view has to show. */
@@ -38,12 +39,12 @@ function turnsBetween(bodies, count) {
     bodies.reduce((largest, { turn: e }) => Math.max(largest, turn(e, k) || 0), 0));
 }
 
-/** Least and largest coordinates of points in turn: [x, y, z, x, y, z]. */
-function extent(points) {
-  const box = [Infinity, Infinity, Infinity, -Infinity, -Infinity, -Infinity];
+/** Least and largest coordinates of points in turn: [[x, y, z], [x, y, z]]. */
+export function extent(points) {
+  const box = [Infinity, -Infinity].map((value) => [value, value, value]);
   points.forEach((value, k) => {
-    box[k % 3] = Math.min(box[k % 3], value);
-    box[3 + (k % 3)] = Math.max(box[3 + (k % 3)], value);
+    box[0][k % 3] = Math.min(box[0][k % 3], value);
+    box[1][k % 3] = Math.max(box[1][k % 3], value);
   });
   return box;
 }
@@ -55,7 +56,10 @@ export class Scene extends PlaneScene {
     this.joints = run.symbols.filter(({ shape }) => shape === "wrench").length;
     this.turns = turnsBetween(this.bodies, this.times.length);
     this.largestTurn = this.turns.reduce((largest, turn) => Math.max(largest, turn), 0);
-    this.extents = this.bodies.map((_, body) => [[0, 0, 0], ...run.solids.filter((one) => one.body === body).flatMap(ends)]);
+    this.corners = this.bodies.map(({ fixed }, body) => {
+      const own = run.solids.filter((one) => one.body === body).map(ends);
+      return fixed ? own.flatMap(corners) : corners(own.flat());
+    });
     this.show(this.start);
   }
 
@@ -87,46 +91,42 @@ export class Scene extends PlaneScene {
     return { x: mean("x"), y: mean("y"), z: mean("z") };
   }
 
-  /** The points of some bodies at the present instant, in turn. */
+  /** The corners of boxes about some bodies at the present instant, in turn. */
   points(bodies) {
-    return [...bodies].flatMap((body) => this.extents[body].flatMap((point) => {
-      const { x, y, z } = this.place({ body, x: point[0], y: point[1], z: point[2] });
-      return this.bodies[body].fixed && !point.some(Boolean) ? [] : [x, y, z];
-    })).filter(Number.isFinite);
-  }
-
-  /** The bodies that fly away: they leave those that are held by more than the machine's size. */
-  get away() {
-    const [near, away] = [[], new Set()];
-    this.survey(() => include(near, this.points(this.held)));
-    const box = extent(near);
-    this.survey(() => this.poses.forEach(({ x, y, z }, body) => {
-      const far = Math.max(...[x, y, z].map((value, k) => Math.max(box[k] - value, value - box[k + 3])));
-      if (!this.held.has(body) && far > this.size) away.add(body);
+    return [...bodies].flatMap((body) => this.corners[body].flatMap(([x, y, z]) => {
+      const at = this.place({ body, x, y, z });
+      return Number.isFinite(at.x + at.y + at.z) ? [at.x, at.y, at.z] : [];
     }));
-    return away;
   }
 
-  /** Points of the machine and of all of the run; and whether it travels so far that the view goes along. */
+  /** Points of the bodies that are held and of all; and whether they travel so far that the view goes along. */
   get view() {
     const [machine, whole, around] = [[], [], []];
-    const { away, middle } = this;
-    const every = this.bodies.map((_, body) => body);
+    const { middle } = this;
+    let count = 0;
     this.survey(() => {
-      const now = this.points(every.filter((body) => this.held.has(body) || !away.has(body)));
+      count += 1;
+      if (count % RARELY !== 1) return;
+      const now = this.points(this.held);
       const shift = ["x", "y", "z"].map((c) => middle[c] - this.middle[c]);
       include(machine, now);
       include(around, now.map((value, k) => value + shift[k % 3]));
-      include(whole, this.points(every));
+      include(whole, this.points(this.bodies.keys()));
     });
-    const reach = (points) => Math.max(...extent(points).slice(3).map((high, k) => high - extent(points)[k]));
-    const follows = reach(machine) > FAR * Math.max(reach(around), this.size);
+    const [far, near] = [machine, around].map(extent).map(([low, high]) => Math.max(...high.map((value, k) => value - low[k])));
+    const follows = far > FAR * Math.max(near, this.size);
     return { machine: follows ? around : machine, whole, follows };
   }
 }
 
-/** The middle of a solid and the ends of its three axes, in its body. */
+/** The ends of the axes of a solid in its body, in turn. */
 function ends({ matrix: m }) {
-  const middle = [m[3], m[7], m[11]];
-  return [0, 1, 2].flatMap((axis) => [1, -1].map((sign) => middle.map((value, k) => value + sign * m[4 * k + axis])));
+  return [0, 1, 2].flatMap((axis) => [1, -1].flatMap((sign) => [0, 4, 8].map((row) => m[row + 3] + sign * m[row + axis])));
+}
+
+/** The corners of the box about points in turn; none without a point. */
+function corners(points) {
+  const box = extent(points);
+  const numbers = points.length ? [0, 1, 2, 3, 4, 5, 6, 7] : [];
+  return numbers.map((number) => [0, 1, 2].map((k) => box[(number >> k) & 1][k]));
 }

@@ -8,8 +8,8 @@ const PALE = 0.22; // share of a body's fill in its colour
 /** Unit forms: radius 1, along z from -1 to 1. */
 function formsOf() {
   return {
-    ball: new globalThis.THREE.SphereGeometry(1, 32, 20),
-    cylinder: new globalThis.THREE.CylinderGeometry(1, 1, 2, 36).rotateX(Math.PI / 2),
+    ball: new globalThis.THREE.SphereGeometry(1, 24, 14),
+    cylinder: new globalThis.THREE.CylinderGeometry(1, 1, 2, 40).rotateX(Math.PI / 2),
     box: new globalThis.THREE.BoxGeometry(2, 2, 2),
   };
 }

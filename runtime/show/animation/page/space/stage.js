@@ -88,91 +88,82 @@ export class Stage {
       hit = ray.intersectObject(this.solids.root).find(({ object }) => object.visible)?.object.userData;
       if (hit?.element) return hit.element;
     }
-    const near = this.scene.names.map(({ element, at: place }) => {
+    const far = ({ at: place }) => {
       const { x, y } = this.camera.toScreen(this.scene.place(place));
-      return { element, far: Math.hypot(x - at.x, y - at.y) };
-    }).filter(({ far }) => far < GRASP * this.scene.size * this.camera.scale);
-    const [nearest] = near.toSorted((a, b) => a.far - b.far);
-    return nearest?.element ?? (hit && !this.scene.bodies[hit.body].fixed ? this.scene.bodies[hit.body].name : "");
+      return Math.hypot(x - at.x, y - at.y);
+    };
+    const [nearest] = this.scene.names.toSorted((a, b) => far(a) - far(b));
+    if (nearest && far(nearest) < GRASP * this.scene.size * this.camera.scale) return nearest.element;
+    return hit && !this.scene.bodies[hit.body].fixed ? this.scene.bodies[hit.body].name : "";
   }
 
   /** Brings everything to the present view. */
   look() {
     const { camera, scene, paths } = this;
-    for (const { trace: { path: [x, y, z] }, whole } of paths) {
-      whole.setAttribute("d", through(Array.from(x, (_, k) => camera.toScreen({ x: x[k], y: y[k], z: z[k] }))));
-    }
+    for (const { trace: { path }, whole } of paths) whole.setAttribute("d", this.through(path, 0, path[0].length));
     this.drawCorner();
     if (this.renderer && camera.width > 1) {
-      const [right, up, toward] = camera.axes;
-      const { width, height } = camera;
-      const [x, y] = [(width / 2 - camera.x) / camera.scale, (camera.y - height / 2) / camera.scale];
-      const deep = DEEP * scene.size;
-      const middle = camera.pivot;
-      const depth = toward[0] * middle.x + toward[1] * middle.y + toward[2] * middle.z;
-      const eye = [0, 1, 2].map((k) => x * right[k] + y * up[k] + (depth + deep) * toward[k]);
-      const [w, h] = [width / 2 / camera.scale, height / 2 / camera.scale];
-      Object.assign(this.view, { left: -w, right: w, top: h, bottom: -h, near: 0, far: 2 * deep });
-      this.view.position.set(...eye);
+      const { axes: [right, up, toward], width, height, scale, pivot } = camera;
+      const [x, y] = [(width / 2 - camera.x) / scale, (camera.y - height / 2) / scale];
+      const depth = toward[0] * pivot.x + toward[1] * pivot.y + toward[2] * pivot.z + DEEP * scene.size;
+      const [w, h] = [width / 2 / scale, height / 2 / scale];
+      Object.assign(this.view, { left: -w, right: w, top: h, bottom: -h, near: 0, far: 2 * DEEP * scene.size });
       this.view.up.set(...up);
-      this.view.lookAt(...eye.map((value, k) => value - toward[k]));
+      this.view.position.set(0, 0, 0);
+      this.view.lookAt(...toward.map((value) => -value));
+      this.view.position.set(...right.map((value, k) => x * value + y * up[k] + depth * toward[k]));
       this.view.updateProjectionMatrix();
-      this.light.target.position.set(0, 0, 0);
-      this.light.position.set(...[0, 1, 2].map((k) => toward[k] + 0.7 * up[k] - 0.4 * right[k]));
+      this.light.position.set(...right.map((value, k) => toward[k] + 0.7 * up[k] - 0.4 * value));
       this.renderer.setPixelRatio(globalThis.devicePixelRatio);
       this.renderer.setSize(width, height, false);
     }
-    this.drawMoving(true);
+    this.drawArrows(true);
+  }
+
+  /** The samples of a path from one to before another, and further points, as a line in px. */
+  through([x, y, z], first, last, ...more) {
+    const points = Array.from({ length: last - first }, (_, k) => ({ x: x[first + k], y: y[first + k], z: z[first + k] }));
+    return through([...points, ...more].map((point) => this.camera.toScreen(point)));
   }
 
   /** The global axes in the corner, and gravity. */
   drawCorner() {
-    const { axes, height } = this.camera;
-    const way = (vector, long) => [0, 1].map((k) => long * axes[k].reduce((sum, value, c) => sum + value * vector[c], 0));
+    const { camera: { axes, height }, scene: { gravity } } = this;
+    const way = (vector, long) => axes.slice(0, 2).map((axis) => long * axis.reduce((sum, value, c) => sum + value * vector[c], 0));
     const parts = ["x", "y", "z"].flatMap((letter, k) => {
       const [x, y] = way([0, 1, 2].map((c) => Number(c === k)), TRIAD);
       return [svg("path", { d: `M0 0L${x} ${-y}` }), svg("text", { x: 1.35 * x - 3, y: 4 - 1.35 * y }, letter)];
     });
     this.corner.replaceChildren(svg("g", { transform: `translate(40 ${height - 44})` }, ...parts));
-    const { gravity } = this.scene;
     const size = gravity ? Math.hypot(...gravity) : 0;
     if (!size) return;
-    const [x, y] = way(gravity, 16 / size);
-    const long = Math.hypot(x, y) || 1;
-    const turn = `rotate(${(Math.atan2(-y, x) * 180) / Math.PI}) scale(${long / 16} 1)`;
+    const [x, y] = way(gravity, 1 / size);
+    const turn = `rotate(${(Math.atan2(-y, x) * 180) / Math.PI}) scale(${Math.hypot(x, y)} 1)`;
     const line = svg("path", { d: "M-16 0H16M10 -4L16 0L10 4", transform: turn });
-    const text = svg("text", { x: 24, y: 4 }, `gravity ${short(size)} m/s²`);
-    this.corner.append(svg("g", { transform: "translate(26 26)" }, line, text));
-  }
-
-  /** Draws solids, the ends of paths and axes of bodies at the present instant, and texts. */
-  drawMoving(withText) {
-    const { camera, scene, paths } = this;
-    if (this.renderer && camera.width > 1) this.renderer.render(this.root, this.view);
-    for (const { trace: { path: [x, y, z], at }, tail } of paths) {
-      const { low } = scene.at;
-      const first = Math.max(0, low - TAIL);
-      const points = Array.from({ length: low + 1 - first }, (_, k) => ({ x: x[first + k], y: y[first + k], z: z[first + k] }));
-      tail.setAttribute("d", through([...points, scene.place(at)].map((point) => camera.toScreen(point))));
-    }
-    this.frames.setAttribute("d", this.shown.frames ? this.axes() : "");
-    this.drawArrows(withText);
+    this.corner.append(svg("g", { transform: "translate(26 26)" }, line, svg("text", { x: 24, y: 4 }, `gravity ${short(size)} m/s²`)));
   }
 
   /** The axes x', y', z' of all bodies that move, as a path. */
   axes() {
     const { camera, scene } = this;
     return scene.poses.flatMap((pose, body) => (scene.bodies[body].fixed ? [] : [0, 1, 2].map((k) => {
-      const way = turned(pose.e, [0, 1, 2].map((c) => (c === k ? 4 * scene.u : 0)));
-      return through([pose, { x: pose.x + way[0], y: pose.y + way[1], z: pose.z + way[2] }].map((at) => camera.toScreen(at)));
+      const [x, y, z] = turned(pose.e, [0, 1, 2].map((c) => (c === k ? 4 * scene.u : 0)));
+      return through([pose, { x: pose.x + x, y: pose.y + y, z: pose.z + z }].map((at) => camera.toScreen(at)));
     }))).join("");
   }
 
+  /** Draws solids, the ends of paths, axes of bodies and arrows at the present instant, and texts. */
   drawArrows(withText) {
-    const labels = new Labels(this.camera, []);
-    if (this.shown.names) this.names.update(this.camera, labels, withText);
-    this.arrows.update(this.camera, this.shown, this.chosen, withText, labels);
+    const { camera, scene, paths } = this;
+    if (this.renderer && camera.width > 1) this.renderer.render(this.root, this.view);
+    const { low } = scene.at;
+    for (const { trace: { path, at }, tail } of paths) {
+      tail.setAttribute("d", this.through(path, Math.max(0, low - TAIL), low + 1, scene.place(at)));
+    }
     this.frames.setAttribute("d", this.shown.frames ? this.axes() : "");
+    const labels = new Labels(camera, []);
+    if (this.shown.names) this.names.update(camera, labels, withText);
+    this.arrows.update(camera, this.shown, this.chosen, withText, labels);
   }
 
   choose(element) {
@@ -194,6 +185,6 @@ export class Stage {
     const withText = !playing || now - this.written > TEXTS;
     if (withText) this.written = now;
     if (this.camera.start) this.camera.follow(this.scene.middle);
-    this.drawMoving(withText);
+    this.drawArrows(withText);
   }
 }
