@@ -16,8 +16,8 @@ from runtime.mechanism.dense_equations import FloatArray, row_lengths
 from runtime.singularity.scaled_constraints import ScaledConstraints
 
 _LARGEST = 0.2  # measured: longest step along the curve, scaled
-# accuracy: shortest step along the curve, scaled: 3 √EPS, within which curves that cross are one
-_SMALLEST = 5e-8
+# accuracy: shortest step along the curve, scaled: √EPS, within which curves that cross are one
+_SMALLEST = 1e-8
 _STRAIGHT = 0.995  # measured: cosine of two tangents above which the next step may grow
 _BENT = 0.95  # measured: cosine of two tangents below which a step is too long
 _ITERATIONS = 8  # safety: Newton iterations of a corrector
