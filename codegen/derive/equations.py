@@ -11,6 +11,7 @@ from codegen.declare.element import Constraint, Effect, Element, Statement, labe
 from codegen.declare.returned_values import own_coordinates, replaced_body
 from codegen.declare.scene import ExpressionOutput, Scene
 from codegen.declare.space_body import SpaceBody
+from codegen.declare.space_frame import I, J
 from codegen.declare.state import WATCHED, State, WatchedCondition, states_in
 from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration, Velocity, dotted
 from codegen.derive import constraint_terms as cs
@@ -47,6 +48,14 @@ class ConstraintEquations:
     driver: bool
     statement: Statement
     terms: cs.ConstraintTerms
+
+    @property
+    def facing(self) -> Iterator[tuple[Any, ...]]:
+        """(e0 of body i, its vector, e0 of body j, its vector) of the vectors that they share."""
+        bound = self.statement.bindings
+        for letter in self.statement.facing:
+            ends = ((bound[at.p[0]], (bound[x] for x in at.given(letter))) for at in (I, J))
+            yield tuple(one for e0, of in ends for one in (e0, tuple(map(float, of))))
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,6 @@ from typing import Any
 
 import sympy
 
-from codegen.declare.space_frame import I, J
 from codegen.declare.symbols import SPEED, Parameter, dotted, t
 from codegen.derive.equations import Equations
 from codegen.derive.piecewise_conditions import as_pieces
@@ -295,12 +294,10 @@ def describe(
 
 
 def _facing(scene: SceneGraph) -> Iterator[tuple[Any, ...]]:
-    """The vectors that bodies share, joint by joint."""
+    """The vectors that bodies share, joint by joint, with the columns of e0 of the bodies."""
     for joint in scene.equations.constraints:
-        bound = joint.statement.bindings
-        for letter in joint.statement.facing:
-            i, j = (scene.columns.get(bound[frame.p[0]], -1) for frame in (I, J))
-            of_i, of_j = (tuple(float(bound[x]) for x in frame.given(letter)) for frame in (I, J))
+        for e0_i, of_i, e0_j, of_j in joint.facing:
+            i, j = (scene.columns.get(e0, -1) for e0 in (e0_i, e0_j))
             yield joint.name, i, of_i, j, of_j
 
 
