@@ -27,7 +27,7 @@ from tests.random_mechanisms.spatial_generator import (
     random_spatial_mechanism,
 )
 from tests.random_mechanisms.spatial_motion import motion
-from tests.random_mechanisms.spatial_statics import MET, Statics, differences
+from tests.random_mechanisms.spatial_statics import MET, Statics, counted, differences
 
 MOTION = 1e-6  # m, and of entries of rotation matrices
 METHODS = {"dop853": 1e-11, "radau5": 1e-10, "bdf": 1e-9}  # with their tolerances
@@ -85,10 +85,14 @@ class Comparison:
         )  # fmt: skip
 
     def _assembled(self) -> Any:
-        q, v = coordinates(self.state)
-        columns = [*self.loaded.coordinates][: len(q)]  # behind them stand coordinates of joints
+        q, v = (x.tolist() for x in coordinates(self.state))
+        columns = [*self.loaded.coordinates]  # behind those of bodies stand coordinates of joints
+        own = counted(self.dense, self.state, self.dense.solve(self.state))
+        for row in columns[len(q) :]:
+            place, rate, _ = own[row.name]
+            q, v = [*q, float(place)], [*v, float(rate)]
         names = (*(row.name for row in columns), *(row.velocity for row in columns))
-        return self.loaded.assemble(guess=dict(zip(names, [*q.tolist(), *v.tolist()], strict=True)))
+        return self.loaded.assemble(guess=dict(zip(names, [*q, *v], strict=True)))
 
     def _redundancy(self) -> Iterator[str]:
         """Whether the freedoms, the redundant rows and the joints that share a load are named."""
