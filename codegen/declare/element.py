@@ -91,6 +91,7 @@ class JointReaction:
     arm: sympy.Matrix | None = None
 
 
+@declaring_class("WrenchReaction")
 @dataclass(frozen=True)
 class WrenchReaction:
     """The multipliers of a joint in space as a force and a torque, six numbers in global axes.

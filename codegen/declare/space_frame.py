@@ -10,9 +10,11 @@ from codegen.declare.rotation_entries import rotation_matrix
 from codegen.declare.space_body import SpaceBody, SpacePoint
 from codegen.declare.symbols import Coordinate, coordinate, given
 from codegen.errors import ModelError
+from codegen.readers.calls import declaring_class
 from codegen.readers.values import shown
 
 
+@declaring_class("SpaceFrame")
 @dataclass(frozen=True)
 class SpaceFrame:
     """A body in space in the equations of an element: placeholders for its coordinates."""
