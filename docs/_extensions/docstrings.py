@@ -1,8 +1,8 @@
 """What the docstrings of this project need before napoleon reads them as numpydoc.
 
 ``.. methods:: CLASS`` on a page lists the public methods of a class from which `Model` derives, as
-methods of `Model`: a new one is on the page without a line of its own. A class that derives from
-`Model` has its own name there, and methods that refuse a word are left out.
+methods of `Model`: a new one is on the page without a line of its own. Those of classes that derive
+from `Model` are methods of `SpaceModel`, and methods that refuse a word are left out.
 """
 
 import re
@@ -56,7 +56,8 @@ def list_methods(_: "Sphinx", page: str, source: list[str]) -> None:
         cls: Any = locate(match[1])
         found = ((name, f) for name, f in vars(cls).items() if isfunction(f))
         public = [name for name, f in found if not f"_{f.__doc__}".startswith("_Refused")]
-        owner = cls.__name__ if "Model" in (base.__name__ for base in cls.__mro__) else "Model"
+        in_space = "Model" in (base.__name__ for base in cls.__mro__)
+        owner = "SpaceModel" if in_space else "Model"
         names = (name for name in public if not name.startswith("_") and name not in INTERNAL)
         return "\n\n".join(f".. automethod:: {owner}.{name}" for name in names)
 
