@@ -11,7 +11,7 @@ from codegen.errors import AnalysisError, InputError
 from runtime import load
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
-from runtime.statics.equilibrium import Stability
+from runtime.statics.rest_stability import Stability
 
 BOOK = {"crank.phi": 4.6, "rod.x": 1.2, "rod.y": -1.0, "rod.phi": 0.6, "slider.x": 2.67}
 METHODS = pytest.mark.parametrize("method", ["energy", "settling"])

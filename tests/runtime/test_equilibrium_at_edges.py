@@ -15,7 +15,7 @@ from runtime.machine_facade import Machine
 from runtime.mechanism.dense_equations import Equations
 from runtime.progress_bar import silent
 from runtime.statics.energy_minimisation import StaticEquations, minimise
-from runtime.statics.equilibrium import Stability
+from runtime.statics.rest_stability import Stability
 
 METHODS = pytest.mark.parametrize("method", ["energy", "settling"])
 G = 9.81

@@ -13,7 +13,7 @@ from codegen.declare.body import Body
 from codegen.errors import AnalysisError
 from runtime import Outcome, load
 from runtime.machine_facade import Machine
-from runtime.statics.equilibrium import Stability
+from runtime.statics.rest_stability import Stability
 
 WEIGHT = 9.81 * 0.5  # N m at the level arm of 1 kg and 0.5 m
 SERVO = 6.0  # N m
