@@ -368,5 +368,6 @@ def test_command_line(workshop: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_rounding_in_the_reduced_mass_is_no_mass() -> None:
     """That of the place of a contact; it would be the most mobile coordinate by far."""
-    mobility = _mobility(np.array([1.0, 4.0, 1e-34]), np.ones(3))
+    none = np.zeros(3, dtype=np.int64)  # is counted by a joint
+    mobility = _mobility(np.array([1.0, 4.0, 1e-34]), np.ones(3), none)
     assert_allclose(mobility, [1.0, 0.5, 10.0], rtol=1e-15)

@@ -86,7 +86,7 @@ def test_batches_need_little_code_where_nothing_has_a_period(
 
 def test_the_choice_between_loops_and_straight_code() -> None:
     small, large = lowered("chain", 7), lowered("chain", 48)
-    branching = lowered("tree", 5)
+    branching = lowered("tree", 7)  # beyond the length up to which straight code is faster
     for machine, unroll, is_rolled in (
         (branching, "auto", True),
         (small, "auto", False),
