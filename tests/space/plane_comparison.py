@@ -12,6 +12,7 @@ from runtime import load
 from runtime.results.result import Result
 from tests.space.from_plane import NORMAL, Translation, acting_joints
 
+NEAR = 0.01  # s
 WRENCH = ("fx", "fy", "fz", "tx", "ty", "tz")
 
 
@@ -75,9 +76,13 @@ class Pair:
     def reactions_apart(self) -> tuple[float, float]:
         """The largest difference of fx, fy and the torque about the normal, and the largest.
 
-        Of hinges and sliders.
+        Of hinges and sliders, at samples 0.01 s or more from singular positions: nearer ones let
+        the rounding of lengths grow, to 1e-7 where the plane itself is turned by an angle.
         """
         known, found, worst, largest = self.known, self.found, 0.0, 0.0
+        away = np.ones(len(known.t), dtype=bool)
+        for position in known.singular:
+            away &= np.abs(known.t - position.time) > NEAR
         given = {(row.element, row.component) for row in self.plane.description.reactions}
         for joint in self.joints:
             if not isinstance(joint, Revolute | Translational):
@@ -96,6 +101,6 @@ class Pair:
             wrench = np.column_stack([found.reaction(joint.name, c) for c in WRENCH])
             force, torque = wrench[:, :3] @ self.turn, wrench[:, 3:] @ self.turn
             mine = np.column_stack([force[:, :2], torque[:, 2]])
-            worst = max(worst, float(np.abs(mine - exact).max()))
-            largest = max(largest, float(np.abs(exact).max()))
+            worst = max(worst, float(np.abs(mine - exact)[away].max()))
+            largest = max(largest, float(np.abs(exact)[away].max()))
         return worst, largest
