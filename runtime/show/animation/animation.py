@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 _VALUES = 600_000  # layout: numbers of a run in a page, some 2 MB
+_VALUES_IN_SPACE = 300_000  # layout: the same beside three.js, so that a page stays below 1.5 MB
 RATE = 60  # layout: frames a second of the run's own time
 TURN = 0.15  # accuracy: rad between instants; a straight path between them errs by 0.3 % of an arm
 _MAX_FAST = 20_000  # layout: instants of a run whose bodies turn fast
@@ -255,9 +256,10 @@ def animated(result: "Result") -> "Result":
     known = result.description
     # About so many numbers a page has of an instant: motion twice, reactions, powers.
     columns = 4 * len(known.coordinates) + len(known.reactions) + len(known.powers) + 4
-    room = _VALUES / columns
-    most = int(np.clip(room, _SAMPLING.least, _SAMPLING.most))
-    least = int(np.clip(RATE * span, _SAMPLING.least, most))
+    room = (_VALUES_IN_SPACE if is_in_space(result) else _VALUES) / columns
+    fewest = int(min(room, _SAMPLING.least)) if is_in_space(result) else _SAMPLING.least
+    most = int(np.clip(room, fewest, _SAMPLING.most))
+    least = int(np.clip(RATE * span, fewest, most))
     sampling = _SAMPLING._replace(least=least, most=most)
     even = resampled(result, sampling)
     limit = int(np.clip(room, most, _MAX_FAST))

@@ -156,7 +156,7 @@ _ROUNDING = 1e-9  # accuracy: of a group's largest value; a curve that changes b
 _IDENTITIES = re.compile(r'"(p\d+|[0-9a-f]{8}-[0-9a-f-]{27})"')
 _SECTIONS = {
     "coordinate": ("Bodies", "position"), "velocity": ("Bodies", "velocity"),
-    "acceleration": ("Bodies", "acceleration"), "state": ("States", "state"),
+    "spin": ("Bodies", "velocity"), "acceleration": ("Bodies", "acceleration"), "state": ("States", "state"),
     "reaction": ("Joints", "reaction"), "effect": ("Effects", "effect"),
     "point": ("Points", "path"), "expression": ("Outputs", "expression"),
     "power": ("Energy", "power"), "energy": ("Energy", "energy"),
@@ -273,10 +273,17 @@ def curves(result: "Result") -> tuple[list[dict[str, Any]], list[dict[str, Any]]
 
 
 def _rows(result: "Result") -> Iterator[Series]:
-    """The series that a page offers, in the order of a report."""
-    table = result.description.series
+    """The series that a page offers, in the order of a report.
+
+    Bodies in space have ω' and ω̇' for the derivatives of their Euler parameters.
+    """
+    table, turning = result.description.series, result.description.turning
+    parameters = {k for _, first in turning for k in range(first, first + 4)}
     motion = table.of_kind("coordinate", "velocity", "acceleration")
-    yield from sorted(motion, key=lambda row: row.column)
+    for row in sorted(motion, key=lambda row: row.column):
+        if row.kind == "coordinate" or row.column not in parameters:
+            yield row
+    yield from table.of_kind("spin")
     for kinds in ("state",), ("reaction", "effect", "point", "expression"), ("power",), ("energy",):
         yield from table.of_kind(*kinds)
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from runtime import Result, animate, load
-from runtime.show.animation import page_text
+from runtime.show.animation import animation, page_text
 from runtime.show.animation.animation import TURN, animated, turns
 from tests.runtime.show.animation.conftest import WIDE
 from tests.space.machines import heavy_top, slider_crank
@@ -249,3 +249,20 @@ def test_a_frame_of_thirty_bodies_takes_little_script(page: Any) -> None:
       return (performance.now() - start) / rounds;
     }""")
     assert ms < 5.0
+
+
+def test_many_bodies_have_fewer_instants(run: Result, monkeypatch: pytest.MonkeyPatch) -> None:
+    usual = len(animated(run).t)
+    monkeypatch.setattr(animation, "_VALUES_IN_SPACE", 20_000)
+    assert 20 < len(animated(run).t) < 0.5 * usual
+
+
+def test_curves_have_angular_velocities_for_rates_of_euler_parameters(run: Result) -> None:
+    series, groups = page_text.curves(run)
+    names = [row["name"] for row in series]
+    assert {"crank.e0", "crank.omega_x", "slider.vx", "a(slider.x)"} <= {*names}
+    rates = {row.velocity for row in run.description.positions if row.name.startswith("crank.e")}
+    assert len(rates) == 4
+    assert not rates & {*names}
+    shown = {g["title"]: [names[k] for k in g["series"]] for g in groups}
+    assert shown["crank: angular velocity, rad/s"] == ["crank.omega_x"]
