@@ -16,13 +16,16 @@ export function drawArrows(scene) {
     const group = node.children[k];
     return { ...row, group, line: group.firstChild, text: group.lastChild };
   });
+  const { symbols } = scene.run;
+  const joints = new Set(symbols.filter(({ role, ties }) => role === "joint" && ties).map(({ element }) => element));
   const all = { node, largest, update };
   function update(camera, shown, chosen, withText, labels) {
     if (!(camera.width > 0 && camera.height > 0)) return; // before the page has its layout
     const length = LONGEST * Math.min(camera.width, camera.height);
     for (const arrow of arrows) {
       const { element, style, unit, label } = arrow;
-      const visible = (shown[style] || chosen === element) && scene.acts(element);
+      const held = style === "torque" && joints.has(element); // a reaction, too
+      const visible = ((shown[style] && (!held || shown.reaction)) || chosen === element) && scene.acts(element);
       const now = arrow.value.map((values) => mixed(values, scene.at));
       const size = Math.hypot(...now);
       const drawn = visible && size > 1e-9 * all.largest[unit];
