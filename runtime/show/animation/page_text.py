@@ -156,7 +156,8 @@ _ROUNDING = 1e-9  # accuracy: of a group's largest value; a curve that changes b
 _IDENTITIES = re.compile(r'"(p\d+|[0-9a-f]{8}-[0-9a-f-]{27})"')
 _SECTIONS = {
     "coordinate": ("Bodies", "position"), "velocity": ("Bodies", "velocity"),
-    "spin": ("Bodies", "velocity"), "acceleration": ("Bodies", "acceleration"), "state": ("States", "state"),
+    "spin": ("Bodies", "velocity"), "acceleration": ("Bodies", "acceleration"),
+    "state": ("States", "state"),
     "reaction": ("Joints", "reaction"), "effect": ("Effects", "effect"),
     "point": ("Points", "path"), "expression": ("Outputs", "expression"),
     "power": ("Energy", "power"), "energy": ("Energy", "energy"),
