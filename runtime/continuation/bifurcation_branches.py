@@ -83,7 +83,8 @@ class RankDeficiency:
         scale, nu = self.scale, self.nu
         base = preferred / scale
         base = base - self.inverse @ (self.matrix @ base - nu)
-        speed = max(float(np.abs(base).max()), 1e-300)
+        growth = self.left.T @ self.gamma(base * scale)  # from rest, too, branches lead
+        speed = max(float(np.abs(base).max()), float(np.abs(growth).max()) ** 0.5, 1e-300)
         if float(np.abs(self.left.T @ nu).max()) > SOLVED * speed:
             return []
 

@@ -48,6 +48,8 @@ _CLOSE = 1e-3
 _ABOUT = 1e-2  # measured: scaled distance of a cause from the position at which the steps get stuck
 # accuracy: distance of a state from its branch, over that from the next branch
 _NEARER = 0.3
+# accuracy: scaled distance from a singular position from which on a start shows its branch
+_DISTINCT = 1e-7
 _MOST_STEPS = 20_000_000  # safety: of the predictor-corrector; ten seconds with one body
 _PATIENCE = 100  # safety: searches for a cause in a row without progress
 _WITHIN = 0.99  # measured: part of a zone's reach that lies safely inside
@@ -62,7 +64,6 @@ class Continuation(ContinuationState):
 
     def __init__(self, equations: Equations, times: FloatArray, start: Assembly) -> None:
         super().__init__(equations, times, start)
-        self.constraints = equations.scaled(self.scale, equations.independent)
         self.positions = SingularPositions(self.constraints)
         self.awaited: Singularity | None = None
         self.singular: list[SingularPosition] = []
@@ -77,6 +78,7 @@ class Continuation(ContinuationState):
         equations, ends = self.equations, (self.began, *map(float, self.times[[0, -1]]))
         seen = np.concatenate([np.linspace(*pair, _SEEN) for pair in pairwise(ends)])
         lengths = row_lengths(equations.jacobian(seen[0], self.q) * self.scale)
+        lengths = np.maximum(lengths, self.shortest)
         rates = [np.linalg.norm(equations.velocity_rhs(t, self.q) / lengths) for t in seen]
         return max([1e-3, *(float(rate) for rate in rates if np.isfinite(rate))])
 
@@ -127,7 +129,7 @@ class Continuation(ContinuationState):
         found = self.positions.find(taylor(t, self.q, self.v, self.a), guess)
         if found is not None and not self._on_the_way(found, ahead, stretch):
             found = None
-        if found is not None and found.gap <= self._rounding(found):
+        if found is not None and found.gap <= self._rounding:
             known = self.awaited is not None and abs(self.awaited.t - found.t) * speed < 1e-6
             if suspect and known and (r.barrier - t) * ahead > 0.0:
                 r.step = 0.25 * stretch  # it strayed on the way there
@@ -146,11 +148,10 @@ class Continuation(ContinuationState):
             return None
         return self._trace(found, t + ahead * stretch if suspect else t)
 
-    def _rounding(self, found: Singularity) -> float:
-        """A gap that is rounding, in units of the rows here, which may be about to vanish."""
-        lengths = row_lengths(self.equations.jacobian(self.t, self.q) * self.scale)
-        shrunk = float((found.rows * self.shortest / lengths).max(initial=1.0))
-        return _ROUNDING * shrunk * float(np.abs(self.q / self.scale).max(initial=1.0))
+    @property
+    def _rounding(self) -> float:
+        """A gap that is rounding, in units of the rows here."""
+        return _ROUNDING * float(np.abs(self.q / self.scale).max(initial=1.0))
 
     def _on_the_way(self, found: Singularity, ahead: float, stretch: float) -> bool:
         """Whether motions, or their continuations, cross within the stretch.
@@ -204,11 +205,22 @@ class Continuation(ContinuationState):
         return classification.driven_instant(self.equations, found.t, found.q)
 
     def begin(self, preferred: FloatArray) -> None:
-        """Start in a singular configuration, on the branch nearest to `preferred` velocities."""
+        """Start in a singular configuration, on the branch nearest to `preferred` velocities.
+
+        A start so far off it that its velocities tell the branch is on the branch of these.
+        """
         equations, scale = self.equations, self.scale
         t, q = self.t, self.q.copy()
-        choices = self._deficiency(t, q).branches(preferred)
-        position = self._describe("start", t, q, self.v)
+        found = self.positions.find(taylor(t, q, self.v, np.zeros_like(q)), 0.0)
+        away = np.inf if found is None else np.linalg.norm((q - found.q) / scale)
+        if found is not None and away < _CLOSE and found.gap <= self._rounding:
+            preferred = self.v if away > _DISTINCT else preferred
+            t, q = self._due(found), found.q
+        at = self._deficiency(t, q)
+        if at.k == 0 and not self.weak:
+            return  # a row is short, but not lost
+        choices = at.branches(preferred)
+        position = self._describe("start", self.t, q, self.v)
         if not choices or is_ambiguous(choices, scale):
             raise classification.no_start(equations, position, choices)
         self.v[:], self.a[:] = choices[0].v, choices[0].a
@@ -224,8 +236,8 @@ class Continuation(ContinuationState):
             self.cross(zone, self.ahead)
         self.singular.append(position._replace(v=choices[0].v))
         self.notes += (
-            f" Started in a singular position at t = {t:.6g} s, on the branch nearest to "
-            f"the start velocities; without them the machine is free to move by {position.free}."
+            f" Started in a singular position at t = {position.time:.6g} s, on the branch nearest "
+            f"to the start velocities; without them the machine is free to move by {position.free}."
         )
 
     # -- folds and near misses of branch points ------------------------------------------------
@@ -305,7 +317,7 @@ def follow(
     start.
     """
     state = Continuation(equations, times, start)
-    if state.weak or start.singular:
+    if state.weak or start.singular or state.has_vanishing_row:
         # Here Phi_q determines neither the branch nor its curvature.
         state.begin(preferred)
     outcome, message = state.run(progress)

@@ -25,9 +25,10 @@ from runtime.core.outcomes import Outcome
 from runtime.linalg.dense_elimination import Sparse, eliminate_rows, fill_unit_rows, smallest_pivot
 from runtime.linalg.rank_policy import REDUNDANT
 from runtime.linalg.vectors import axpy, copy_vector, largest_ratio
-from runtime.mechanism.dense_equations import Equations, FloatArray, row_lengths
+from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.results.assembled_state import Assembly
 from runtime.results.run_records import SingularPosition
+from runtime.singularity.scaled_constraints import SHORTEST
 
 if TYPE_CHECKING:
     from runtime.continuation.bifurcation_branches import Zone
@@ -41,7 +42,7 @@ _ITERATIONS = 30  # safety: of Newton's method for a position
 _MARGIN = 0.5  # measured: of the smallest pivot; scaled motion until pivots are compared again
 _POOR = 0.5  # measured: of the smallest pivots at both ends; a smaller one between is suspicious
 _GOOD = 0.05  # measured: smallest pivot of a state to which the continuation may return
-_SHORTEST = 0.1  # safety: of a row's longest so far; no unit row, since it may vanish
+_VANISHED = 1e-4  # measured: of `SHORTEST` of a driver's row; a start with less is singular
 STEEP = 1e6  # safety: growth of a slope of Phi since the start that counts as unbounded
 
 # The record that a continuation keeps. t: instant of the state; barrier: instant to stop at, or not
@@ -141,11 +142,10 @@ def eliminate_at(
 ) -> float:
     """Fill the pivots of Phi_q at (t, q); the smallest of them."""
     jacobian_of(kernels)(t, q, s.p, s.values)
-    fill_unit_rows(Sparse(s.rows, s.columns, s.values), s.scale, s.dense, pivots)
+    slopes = Sparse(s.rows, s.columns, s.values)
+    fill_unit_rows(slopes, s.scale, s.shortest, s.dense, pivots)
     for i in range(pivots.size):  # the inverse lengths of the rows
-        s.shortest[i] = max(s.shortest[i], _SHORTEST / pivots[i])
-        for j in range(s.q.size):
-            s.dense[i, j] /= max(1.0, pivots[i] * s.shortest[i])
+        s.shortest[i] = max(s.shortest[i], SHORTEST / pivots[i])
     eliminate_rows(s.dense, order, pivots, search)
     return float(smallest_pivot(pivots))
 
@@ -175,8 +175,7 @@ def is_suspicious(kernels: Any, s: Any, r: Any) -> bool:
     """
     before, now, between, middle = s.pivots[0], s.pivots[1], s.pivots[2], s.trial[2]
     eliminate_at(kernels, s, r.t, s.q, s.orders[0], now, 0)
-    changes = 0
-    poorest = np.inf
+    changes, poorest = 0, np.inf
     for i in range(before.size):
         if min(abs(before[i]), abs(now[i])) <= REDUNDANT or before[i] * now[i] > 0.0:
             continue
@@ -209,10 +208,9 @@ def advance(kernels: Any, times: Any, s: Any, r: Any) -> int:
     reached; SUSPECT, where the pivots at `r.end` are suspicious, with the state of the last good
     ones; ARRIVED at the barrier.
     """
-    q, v = s.trial[0], s.trial[1]
+    q, v, tries = s.trial[0], s.trial[1], 0
     if r.least < 0.0:
         record_pivots(kernels, s, r)
-    tries = 0
     while r.mark < len(times) and tries < _TRIES:
         tries += 1
         target, t = times[r.mark], r.t
@@ -243,8 +241,7 @@ def advance(kernels: Any, times: Any, s: Any, r: Any) -> int:
         travel = 0.0
         for i in range(q.size):
             travel = max(travel, abs(q[i] - s.q[i]) / s.scale[i])
-            s.q[i] = q[i]
-            s.v[i] = v[i]
+            s.q[i], s.v[i] = q[i], v[i]
         r.t = new
         r.steps += 1
         r.travel += travel
@@ -290,7 +287,12 @@ class ContinuationState:
         self.equations, self.times = equations, times
         self.scale = equations.scale(equations.size(start.t, start.q))  # of changes, (n,)
         self.q, self.v = start.q.copy(), start.v.copy()
-        self.shortest = _SHORTEST * row_lengths(equations.jacobian(start.t, self.q) * self.scale)
+        lengths = np.linalg.norm(equations.jacobian(start.t, self.q) * self.scale, axis=1)
+        self.constraints = equations.scaled(self.scale, equations.independent)
+        given = start.t, self.q, self.scale, description.driver_rows
+        least = self.constraints.least_lengths(*given)
+        self.constraints.shortest = self.shortest = np.maximum(SHORTEST * lengths, least)
+        self.has_vanishing_row = bool((lengths < _VANISHED * least).any())
         self.modes = np.zeros(len(description.switches), dtype=np.int64)
         # weak: 1 + the constraint with a weak pivot at the start, or 0
         self.a, lam, self.weak = equations.motion(start.t, self.q, self.v, self.modes)
@@ -344,8 +346,7 @@ class ContinuationState:
         Instants within it that were sampled before it was known are sampled again: the
         predictor-corrector's velocities are less accurate there.
         """
-        done, times = self.mark, self.times
-        reached = self.t
+        done, times, reached = self.mark, self.times, self.t
         earlier = done - 1
         while earlier >= 0 and zone.holds(float(times[earlier])):
             q, v = zone.at(float(times[earlier]))
@@ -367,14 +368,13 @@ class ContinuationState:
 
     def resume(self, t: float, step: float) -> None:
         """Restart the predictor-corrector at the present state."""
-        r = self.record
-        r.t, r.step, r.least, r.barrier, r.travel, r.best = t, step, -1.0, np.nan, 0.0, 0.0
+        r, new = self.record, (t, step, -1.0, np.nan, 0.0, 0.0)
+        r.t, r.step, r.least, r.barrier, r.travel, r.best = new
         self.a[:] = self.equations.motion(t, self.q, self.v, self.modes)[0]
 
     def sample(self) -> None:
         """Store the state if the next instant is the present one, so that `ahead` has a sign."""
-        done = self.mark
-        if not self.finished and self.times[done] == self.t:
+        if not self.finished and self.times[done := self.mark] == self.t:
             self.q_out[done], self.v_out[done] = self.q, self.v
             self.record.mark = done + 1
 

@@ -87,12 +87,14 @@ def driven_instant(equations: Equations, t: float, q: FloatArray) -> float:
 def lock_up(equations: Equations, found: SingularPosition) -> str:
     """The message of a run that ends in a lock-up."""
     drivers = found.drivers or equations.description.drivers
-    rest = f" and {len(found.joints) - _FEW} more" if len(found.joints) > _FEW else ""
+    why = "asks for what the machine cannot reach"
+    if found.joints:
+        rest = f" and {len(found.joints) - _FEW} more" if len(found.joints) > _FEW else ""
+        why = f"cannot go on, joints {', '.join(found.joints[:_FEW])}{rest} stand in the way"
     return (
-        f"Locked up at t = {found.time:.12g} s: driver {', '.join(drivers)} cannot go on, "
-        f"joints {', '.join(found.joints[:_FEW])}{rest} stand in the way. Change the dimensions or "
-        f"the range of the driver, or drive another coordinate: with the drivers at rest the "
-        f"machine could move by {found.free}. (Velocities grow without bound there. "
+        f"Locked up at t = {found.time:.12g} s: driver {', '.join(drivers)} {why}. Change the "
+        f"dimensions or the range of the driver, or drive another coordinate: with the drivers at "
+        f"rest the machine could move by {found.free}. (Velocities grow without bound there. "
         f"Smallest singular value of Phi_q: {found.singular_value:.1e}; share of the drivers' "
         f"motion that no velocities give: {found.drift:.2g}.)"
     )

@@ -145,6 +145,7 @@ TABLE.floats("log_times", LOG_ROWS)
 TABLE.integer_matrix("log_sets", LOG_ROWS, COORDINATES)
 TABLE.floats("weights", (4, COORDINATES))  # of Baumgarte's terms
 TABLE.matrix("pivots", (4, None), CONSTRAINT_COUNT)  # see `singularity.prediction`
+TABLE.floats("shortest", CONSTRAINT_COUNT)  # lengths of rows below which they are no unit rows
 TABLE.floats("pivot_history", (2, None))
 TABLE.integers("elimination_plan", PLAN_SIZE)
 TABLE.floats("loop_nearness", (7, LOOPS))

@@ -95,12 +95,16 @@ class CartesianCoordinates(Coordinates):
             self.system = replace(self.system, **mechanism.tangents._asdict())
         counted, masses = ready.mechanism.shape["counted"], self.equations.masses(begin.q)
         self.mobility = _mobility(masses, ready.sizes, counted, compressed=True)
+        scaled = self.equations.scaled(self.mobility, self.equations.independent)
+        drivers = mechanism.description.driver_rows
+        self.shortest = scaled.least_lengths(begin.t, begin.q, ready.sizes, drivers)
 
     def problem(self, t: float, q: FloatArray, v: FloatArray) -> Problem:
         """In the machine's own coordinates."""
         ready, q, v = self.ready, np.ascontiguousarray(q), np.ascontiguousarray(v)
         return Problem(
-            t, ready.t_end, q, v, ready.p, self.mobility, ready.sizes, stops=ready.stops,
+            t, ready.t_end, q, v, ready.p, self.mobility, ready.sizes,
+            shortest=self.shortest, stops=ready.stops,
             samples_taken=ready.samples_taken, controllers=ready.controllers,
             discrete=ready.discrete,
         )  # fmt: skip
@@ -147,7 +151,7 @@ class ReducedCoordinates(Coordinates):
         inertia = np.diag(reduced.inertia(t, q[kept], p))
         scale = _mobility(inertia, sizes, ready.mechanism.shape["counted"][kept])
         return Problem(
-            t, ready.t_end, q[kept], v[kept], p, scale, sizes, self.spreads, ready.stops,
+            t, ready.t_end, q[kept], v[kept], p, scale, sizes, self.spreads, stops=ready.stops,
             samples_taken=ready.samples_taken, discrete=ready.discrete,
         )  # fmt: skip
 

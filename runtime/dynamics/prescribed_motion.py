@@ -66,7 +66,8 @@ def kinematics(
     begin = assemble(equations, t_start, guess, start)
     _require_driven(mechanism, begin, analysis)
     equations = suited_equations(equations, begin)
-    preferred = (start if isinstance(start, State) else start_values(mechanism, guess, start)).v
+    given = start if isinstance(start, State) else start_values(mechanism, guess, start)
+    preferred = begin.v if getattr(given, "spins", ()) else given.v
     asked = _asked(equations, analysis)
     motion, kinks, behind = _follow_past_kinks(asked, times, begin, preferred, progress, times)
     motion = end_motion_at_kink(

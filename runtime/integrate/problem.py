@@ -87,6 +87,7 @@ class Problem(NamedTuple):
     spreads: ArrayLike = 0.0
     """(s,): how far switching functions go when all that they are made of is changed by its size,
     where that is more than the coordinates' own changes do."""
+    shortest: ArrayLike = 0.0  # (m,): see `ScaledConstraints.least_lengths`
     stops: Stops | None = None  # None: the run ends its steps where it likes
     samples_taken: bool = False  # whether clocks have renewed what is due at t0
     # number of a sampled value → what computes its samples

@@ -51,9 +51,11 @@ class Crossings:
         m, kernels = system.constraint_count, (system.constraints, system.jacobian)
         places = np.asarray(system.jacobian_rows), np.asarray(system.jacobian_columns)
         rows = np.array(system.independent or range(system.rank), np.int64)
+        state.wiring.arrays["shortest"][:] = problem.shortest
         constraints = ScaledConstraints(
-            *kernels, system.velocity_rhs, *places, problem.p, self.scale, rows, m
-        )
+            *kernels, system.velocity_rhs, *places, problem.p, self.scale, rows, m,
+            state.wiring.arrays["shortest"],
+        )  # fmt: skip
         self.positions = SingularPositions(constraints)
         self.handover = cs.MethodHandover(state)
         if system.constraints is find_stand_in("constraints") or m == 0:

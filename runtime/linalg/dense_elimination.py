@@ -190,15 +190,21 @@ def fill_dense(sparse: Sparse, scale: Vector, dense: Matrix) -> None:
 
 
 @inner
-def fill_unit_rows(sparse: Sparse, scale: Vector, dense: Matrix, inverse: Vector) -> None:
-    """Write Φ_q, (m, n), columns times `scale`, rows times `inverse`, (m,): of unit length."""
+def fill_unit_rows(
+    sparse: Sparse, scale: Vector, shortest: Vector, dense: Matrix, inverse: Vector
+) -> None:
+    """Write Φ_q, (m, n), columns times `scale`, rows times `inverse`, (m,): of unit length.
+
+    Rows shorter than `shortest`, (m,), are divided by that.
+    """
     rows, columns, values = sparse.rows, sparse.columns, sparse.values
     fill_dense(sparse, scale, dense)
     inverse[:] = 0.0
     for k in range(rows.size):
         inverse[rows[k]] += (values[k] * scale[columns[k]]) ** 2
     for i in range(inverse.size):
-        inverse[i] = 1.0 / np.sqrt(inverse[i]) if inverse[i] > 0.0 else 1.0
+        inverse[i] = max(np.sqrt(inverse[i]), shortest[i])
+        inverse[i] = 1.0 / inverse[i] if inverse[i] > 0.0 else 1.0
     for k in range(rows.size):
         dense[rows[k], columns[k]] *= inverse[rows[k]]
 

@@ -39,6 +39,8 @@ def find_sparse_pivots(context: Context, row: int, search: int) -> int:
     for e in range(rows.size):
         values[e] = context.jacobian_values[e] * scale[columns[e]]
         lengths[rows[e]] += values[e] ** 2
+    for i in range(m):
+        lengths[i] = max(lengths[i], context.shortest[i] ** 2)
     for e in range(rows.size):
         if lengths[rows[e]] > 0.0:
             values[e] /= np.sqrt(lengths[rows[e]])
@@ -163,7 +165,7 @@ def find_pivots(context: Context, t: float, state: int, row: int, search: int) -
     if context[ft.SPARSE] != 0:
         ft.find_pivots_sparsely_of(context)(context, row, search)
         return
-    fill_unit_rows(sparse, context.scale, dense, context.pivots[row])
+    fill_unit_rows(sparse, context.scale, context.shortest, dense, context.pivots[row])
     eliminate_rows(dense, context.pivot_columns, context.pivots[row], search)
 
 
@@ -230,6 +232,8 @@ def remember(context: Context, instant: float, weakest: float) -> None:
     sparse = Sparse(context.jacobian_rows, context.jacobian_columns, context.jacobian_values)
     order, dense, plan = context.pivot_columns, context.dense_jacobian, context.elimination_plan
     write_plan(order, sparse, context.scale, dense, plan, lengths)
+    for i in range(lengths.size):
+        lengths[i] /= max(1.0, lengths[i] * context.shortest[i])
 
 
 @inner

@@ -12,6 +12,8 @@ from runtime.core.jit import addresses
 from runtime.linalg.least_norm import SPARSE_FROM
 from runtime.singularity import search_function_table as st
 
+SHORTEST = 0.1  # safety: of a row's longest length; no unit row, since it may vanish
+
 Kernel = Callable[..., Any]
 
 
@@ -35,6 +37,7 @@ class ScaledConstraints:
     scale: Vector  # (n,), typical size of a change of each coordinate
     independent: Integers  # constraints none of which follows from the others everywhere
     m: int  # number of constraints
+    shortest: Vector | None = None  # (m,): rows shorter than that count as so long; none if None
 
     @property
     def is_large(self) -> bool:
@@ -61,6 +64,8 @@ class ScaledConstraints:
                 arrays[name] = np.ascontiguousarray(array, dtype=kind)
                 table[layout.slots[name]] = arrays[name].ctypes.data
         arrays["lengths"][:], arrays["speed"][:] = 1.0, 1.0
+        if self.shortest is not None:
+            arrays["shortest"][:] = self.shortest[self.independent]
         for name in ("row_order", "row_place", "column_order", "column_place"):
             arrays[name][:] = np.arange(arrays[name].size)
         return Layout(table, arrays)
@@ -89,6 +94,19 @@ class ScaledConstraints:
         matrix = np.zeros((self.independent.size + 1, self.scale.size + 1))
         matrix[self.places] = entries
         return matrix[:-1]
+
+    def least_lengths(self, t: float, q: Vector, sizes: Vector, drivers: Vector) -> Vector:
+        """Lengths, (m,), below which rows of `drivers`, (m,), are no unit rows; of joints 0.
+
+        Poses away from q by about `sizes` tell how long rows are: one may vanish at a start.
+        """
+        squares = np.zeros(self.m)
+        away = 0.3 * sizes * np.random.default_rng(2).normal(size=(2, self.scale.size))
+        for pose in (q + away) if drivers.any() else ():
+            slopes = np.nan_to_num(self.entries(t, pose, 0.0)[: self.rows.size], posinf=0.0)
+            squares = np.maximum(squares, np.bincount(self.rows, slopes**2, minlength=self.m))
+        least: Vector = SHORTEST * np.sqrt(squares) * drivers
+        return least
 
     def weakest(self, t: float, q: Vector) -> tuple[Vector, float, Vector]:
         """Left vector u and size of the least singular value of Φ_q, and ν; of unit rows, (m',).

@@ -27,6 +27,7 @@ independent_of = TABLE.integers("independent", ROWS, allotted=False)
 entry_rows_of = TABLE.integers("entry_rows", ENTRIES, allotted=False)
 entry_columns_of = TABLE.integers("entry_columns", ENTRIES, allotted=False)
 lengths_of = TABLE.floats("lengths", ROWS)  # of the rows, by which they are divided
+shortest_of = TABLE.floats("shortest", ROWS)  # least lengths, of rows that may vanish
 row_order_of = TABLE.integers("row_order", ROWS)  # of pivots: which row is where
 row_place_of = TABLE.integers("row_place", ROWS)  # where each row is
 column_order_of = TABLE.integers("column_order", UNKNOWNS)
@@ -86,7 +87,7 @@ def unit_residuals(search: Integers, z: Vector, residuals: Vector) -> None:
 
 @compiled(none(integers, f8, vector))
 def set_units(search: Integers, speed: float, z: Vector) -> None:
-    """Set the unit of time, 1 / `speed` s, and the lengths of the rows of Φ_q to those at z."""
+    """Set the unit of time, 1 / `speed` s, and the lengths of the rows of Φ_q, at z."""
     speed_of(search)[0] = speed
     values, lengths, rows = values_of(search), lengths_of(search), entry_rows_of(search)
     jacobian_entries(search, z, values)
@@ -95,7 +96,8 @@ def set_units(search: Integers, speed: float, z: Vector) -> None:
         if rows[e] < lengths.size:
             lengths[rows[e]] += values[e] ** 2
     for i in range(lengths.size):
-        lengths[i] = lengths[i] ** 0.5 if lengths[i] > 0.0 else 1.0
+        lengths[i] = max(lengths[i] ** 0.5, shortest_of(search)[i])
+        lengths[i] = lengths[i] if lengths[i] > 0.0 else 1.0
 
 
 @compiled(none(integers, vector, vector))

@@ -79,7 +79,7 @@ def fill_unit_rows(t, p, scale, rows, columns, values, dense):
     """Of the Jacobian that `entries_linear_in_time` gives."""
     entries_linear_in_time(t, scale, p, values)
     sparse, inverse = dense_elimination.Sparse(rows, columns, values), np.empty(len(dense))
-    dense_elimination.fill_unit_rows(sparse, scale, dense, inverse)
+    dense_elimination.fill_unit_rows(sparse, scale, np.zeros(len(dense)), dense, inverse)
 
 
 @compiled(f8(matrix, integers, vector, i8))
