@@ -289,8 +289,8 @@ class ContinuationState:
         self.q, self.v = start.q.copy(), start.v.copy()
         lengths = np.linalg.norm(equations.jacobian(start.t, self.q) * self.scale, axis=1)
         self.constraints = equations.scaled(self.scale, equations.independent)
-        given = start.t, self.q, self.scale, description.driver_rows
-        least = self.constraints.least_lengths(*given)
+        drivers = description.driver_rows
+        least = self.constraints.least_lengths(start.t, self.q, self.scale, drivers)
         self.constraints.shortest = self.shortest = np.maximum(SHORTEST * lengths, least)
         self.has_vanishing_row = bool((lengths < _VANISHED * least).any())
         self.modes = np.zeros(len(description.switches), dtype=np.int64)

@@ -95,7 +95,7 @@ class ScaledConstraints:
         matrix[self.places] = entries
         return matrix[:-1]
 
-    def least_lengths(self, t: float, q: Vector, sizes: Vector, drivers: Vector) -> Vector:
+    def least_lengths(self, t: float, q: Vector, sizes: Vector, drivers: Any) -> Vector:
         """Lengths, (m,), below which rows of `drivers`, (m,), are no unit rows; of joints 0.
 
         Poses away from q by about `sizes` tell how long rows are: one may vanish at a start.
