@@ -14,6 +14,11 @@ def without_rounding(values: Iterable[float]) -> list[float]:
     return [0.0 if abs(x) < least or x == 0.0 else x for x in every]
 
 
+def with_unit(value: float, unit: str) -> str:
+    """A number in six digits and its unit, but for "1"."""
+    return f"{value:.6g} {unit}".removesuffix(" 1")
+
+
 def listed(names: Iterable[str], empty: str = "none") -> str:
     """Names in a line, the first ones of many."""
     every = list(names)

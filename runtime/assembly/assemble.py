@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AssemblyError
-from runtime.assembly import redundancy
+from runtime.assembly import redundancy, regular_start
 from runtime.assembly.far_starts import note_on_start
 from runtime.assembly.joint_closing import CLOSED, Task, close
 from runtime.assembly.mirrored_joints import mirror_note
@@ -71,13 +71,15 @@ def assemble(
         start = start_values(equations.mechanism, guess, start_at, release=release)
         given |= start_at or {}
     t = float(t)
+    equations.start.arrays["ease_q"][:] = start.ease[0]
+    regular_start.place_counted(equations.start.table, t, equations.p, start.q)
     regular = find_regular_start(equations, t, start)
     if regular is None:
         q, v, scale, start, findings = _irregular_start(equations, t, start, given)
     else:
         (q, v, scale), findings = regular, Findings([], [], equations.m)
     if start.spins:
-        v = with_spins(equations, t, q, v, scale, start.fixed_v, start.spins)
+        v = with_spins(equations, t, q, v, scale * start.ease[1], start.fixed_v, start.spins)
     return _report(equations, t, q, v, scale, start, findings)
 
 
@@ -158,23 +160,27 @@ def _velocities(task: Task, start: Start, q: FloatArray) -> FloatArray:
     equations, t = task.equations, task.t
     nu, free = equations.velocity_rhs(t, q), ~start.fixed_v
     v, matrix, change = start.v.copy(), equations.matrix_of(equations.slopes(t, q)), None
+    ease = start.ease[1]
+    scale, follows = task.scale * ease, abs(matrix) @ (ease - 1.0) > 0.0
+    unit = task.row_scale * np.where(follows, ease.max(initial=1.0), 1.0)
     if free.any() and len(nu):
         if equations.is_large:
-            slopes = task.scaled(equations.slopes(t, q))[:, free]
+            eased = task._replace(scale=scale, row_scale=unit)
+            slopes = eased.scaled(equations.slopes(t, q))[:, free]
         else:
-            slopes = matrix[:, free] * task.scale[free] / task.row_scale[:, None]
+            slopes = matrix[:, free] * scale[free] / unit[:, None]
         change = least_norm_solver(slopes)
     for _ in range(3):
         if change is not None:
-            v[free] -= change((matrix @ v - nu) / task.row_scale) * task.scale[free]
+            v[free] -= change((matrix @ v - nu) / unit) * scale[free]
     given = max(
         np.abs(start.v / task.scale).max(initial=0.0), np.abs(nu / task.row_scale).max(initial=0.0)
     )
     if change is not None and CLOSED * np.abs(v / task.scale).max() > given:
         v = start.v.copy()
         dense = slopes.toarray() if equations.is_large else slopes
-        right = (matrix @ v - nu) / task.row_scale
-        v[free] -= np.linalg.lstsq(dense, right, rcond=CLOSED)[0] * task.scale[free]
+        right = (matrix @ v - nu) / unit
+        v[free] -= np.linalg.lstsq(dense, right, rcond=CLOSED)[0] * scale[free]
     gaps = matrix @ v - nu
     most = VELOCITY_CLOSED * max(1.0, float(np.abs(v / task.scale).max(initial=0.0)))
     if np.abs(gaps / task.row_scale).max(initial=0.0) > most:

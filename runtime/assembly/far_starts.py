@@ -33,7 +33,8 @@ def note_on_start(
     is_angle = np.array([letter == "phi" for *_, letter in names], np.bool_)
     turns = np.remainder(q - start.q + np.pi, 2.0 * np.pi) - np.pi
     turned = np.where(is_angle & start.given_q, np.abs(turns), 0.0)
-    in_space = [*_turned_bodies(equations.description, start, q)]
+    angle_is_set = start.fixed_q[equations.mechanism.shape["counted"] > 0].any()
+    in_space = [] if angle_is_set else [*_turned_bodies(equations.description, start, q)]
     if turned.max(initial=0.0) <= _STAYED and not in_space:
         return ""
 

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AssemblyError, RedundancyError
+from codegen.object_display import with_unit
 from runtime.assembly import redundancy
 from runtime.assembly.joint_closing import CLOSED, Task, close, least_gap
 from runtime.assembly.redundancy import Dependency
@@ -95,7 +96,7 @@ def contradiction(
     misses: str,
 ) -> AssemblyError:  # fmt: skip
     """The error of start values that the joints do not allow; their `names` with their units."""
-    said = (f"{names[k][0]} = {values[k]:g} {names[k][1]}" for k in np.flatnonzero(fixed))
+    said = (f"{names[k][0]} = {with_unit(values[k], names[k][1])}" for k in np.flatnonzero(fixed))
     shows = "" if task.equations.description.turning else ", and `linkwright draw` shows the gaps"
     return AssemblyError(
         f"{task.equations.description.title}: the fixed start {fault}. Start says "

@@ -60,12 +60,12 @@ def measure_gaps(context: Context, t: float, q: Vector, p: Vector) -> float:
 
 
 @inner
-def fill_rows(context: Context, free: Integers, by_rows: bool) -> int:
-    """Write the scaled Φ_q of the free coordinates; their number.
+def fill_rows(context: Context, free: Integers, scale: Vector, by_rows: bool) -> int:
+    """Write Φ_q of the free coordinates, in parts of `scale`; their number.
 
     Rows are in parts of their typical changes, `by_rows`, or in parts of their length.
     """
-    rows, scale, width = context.scaled_rows, context.change_scale, 0
+    rows, width = context.scaled_rows, 0
     rows[:, :] = 0.0
     for j in range(free.size):  # places of the columns
         context.move_step[j] = width
@@ -130,7 +130,7 @@ def minimise(context: Context, t: float, p: Vector, penalty: float, q: Vector) -
     current = penalised(context, q, penalty)
     for _ in range(_DAMPED):
         jacobian_of(context)(t, q, p, context.slopes)
-        width = fill_rows(context, context.free_q, True)
+        width = fill_rows(context, context.free_q, context.change_scale, True)
         measure_gaps(context, t, q, p)
         fill_normal(context, q, penalty, width)
         for a in range(width):
@@ -160,7 +160,7 @@ def refine(context: Context, t: float, p: Vector, q: Vector) -> bool:
         if best <= ROUNDING:
             return True
         jacobian_of(context)(t, q, p, context.slopes)
-        width = fill_rows(context, context.free_q, True)
+        width = fill_rows(context, context.free_q, context.change_scale, True)
         measure_gaps(context, t, q, p)
         if not factor_rows(context.scaled_rows, width, context.lower, NO_PIVOT):
             return False
@@ -242,7 +242,7 @@ def is_in_scale(context: Context, q: Vector) -> bool:
 @inner
 def is_clear_of_dependence(context: Context, all_of_them: Integers) -> bool:
     """Whether Φ_q is far from losing rank, its columns scaled, its rows of unit length."""
-    width = fill_rows(context, all_of_them, False)
+    width = fill_rows(context, all_of_them, context.change_scale, False)
     for i in range(context.scaled_rows.shape[0]):
         length = sqrt(dot(context.scaled_rows[i], context.scaled_rows[i]))
         if not (0.0 < length < np.inf):
@@ -269,7 +269,10 @@ def are_finite(context: Context, t: float, q: Vector, v: Vector, p: Vector) -> b
 @inner
 def find_velocities(context: Context, t: float, p: Vector, q: Vector, v: Vector) -> bool:
     """Move free velocities as little as Φ_q v = ν allows; false where these do not reach it."""
-    width = fill_rows(context, context.free_v, True)
+    scale = context.speed_scale
+    for j in range(v.size):
+        scale[j] = context.change_scale[j] * context.ease_v[j]
+    width = fill_rows(context, context.free_v, scale, True)
     if width > 0 and not factor_rows(context.scaled_rows, width, context.lower, NO_PIVOT):
         return False
     given = 0.0
@@ -287,7 +290,7 @@ def find_velocities(context: Context, t: float, p: Vector, q: Vector, v: Vector)
             solve_least_norm(
                 context.scaled_rows, width, context.lower, context.gaps, context.move_step
             )
-            move(v, context.move_step, context.free_v, context.change_scale, context.moved)
+            move(v, context.move_step, context.free_v, scale, context.moved)
             copy_vector(context.moved, v)
     speed = 0.0
     for j in range(v.size):
@@ -298,6 +301,30 @@ def find_velocities(context: Context, t: float, p: Vector, q: Vector, v: Vector)
         return False
     speed = max(speed, 1.0)
     return largest_magnitude(context.gaps) <= VELOCITY_CLOSED * speed and is_finite(context.gaps)
+
+
+@compiled(i8(ADDRESSES, f8, vector, vector))
+def place_counted(context: Context, t: float, p: Vector, q: Vector) -> int:
+    """Write what joints count and nobody gives as the bodies stand at q: angles within half a turn.
+
+    Rows are h·d - s, and 2 (Δ_h cos θ/2 - Δ_0 sin θ/2); see `codegen.elements.space.joints`.
+    """
+    for j in range(q.size):
+        if not context.ease_q[j] > 1.0:
+            continue
+        row = context.counted[j] - 1
+        q[j] = 0.0
+        constraints_of(context)(t, q, p, context.phi)
+        gap = context.phi[row]
+        if not abs(gap) > CLOSED:
+            continue
+        if context.of_length[j] == 0:
+            q[j] = np.pi
+            constraints_of(context)(t, q, p, context.phi)
+            turn = -context.phi[row]
+            gap = 2.0 * np.arctan2(gap if turn >= 0.0 else -gap, abs(turn))
+        q[j] = gap
+    return 0
 
 
 @compiled(i8(ADDRESSES, f8, vector, vector, vector))
@@ -332,6 +359,7 @@ def allow(made: StartTable, start: Start) -> None:
     """Write into a table what is free in a start, and how much it weighs."""
     made.arrays["free_q"][:], made.arrays["free_v"][:] = ~start.fixed_q, ~start.fixed_v
     made.arrays["move_weight"][:] = weights(start)
+    made.arrays["ease_q"][:], made.arrays["ease_v"][:] = start.ease
 
 
 def let_lead(made: StartTable) -> None:
@@ -341,7 +369,8 @@ def let_lead(made: StartTable) -> None:
 
 def weights(start: Start) -> Vector:
     """How much the coordinates of a start weigh, (n,): little, where no value is given."""
-    return np.where(start.given_q, 1.0, _UNNAMED_WEIGHT)
+    found: Vector = np.where(start.given_q, 1.0, _UNNAMED_WEIGHT) / start.ease[0] ** 2
+    return found
 
 
 def find_regular_start(

@@ -37,9 +37,11 @@ def with_spins(
         row[p] = 2.0 * matrix_g(q[p])[spin.axis]
     matrix = np.vstack([equations.jacobian(t, q), rows])
     right = np.array([*equations.velocity_rhs(t, q), *(spin.value for spin in given)])
-    v = v.copy()
+    v, scaled = v.copy(), matrix * scale
+    unit = np.abs(scaled).max(axis=1, initial=1e-300)  # safety: a row of zeros
+    matrix_in_units = scaled[:, ~fixed] / unit[:, None]
     for _ in range(2):
-        step = np.linalg.lstsq((matrix * scale)[:, ~fixed], right - matrix @ v, rcond=1e-12)[0]
+        step = np.linalg.lstsq(matrix_in_units, (right - matrix @ v) / unit, rcond=1e-12)[0]
         v[~fixed] += scale[~fixed] * step
     gaps = np.abs(matrix @ v - right)
     most = _MET * max(1.0, float(np.abs(right).max(initial=0.0)))

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AssemblyError
+from codegen.object_display import with_unit, without_rounding
 from codegen.readers.values import finite_float, shown
 from runtime.assembly.start_spins import Spin
 from runtime.mechanism.dense_equations import FloatArray
@@ -16,6 +17,9 @@ from runtime.results.assembled_state import Assembly, State
 
 BoolArray = npt.NDArray[np.bool_]
 
+# accuracy: ease of what a joint counts and nobody gives, so that it follows from its bodies; they
+# feel it by the inverse square, and rounding grows by it
+_FOLLOWS = 2.0**17
 MOVED = 1e-9  # accuracy: change of a start value, relative to its size, that is reported
 
 
@@ -27,6 +31,7 @@ class Start(NamedTuple):
     fixed_q: BoolArray
     fixed_v: BoolArray
     given_q: BoolArray
+    ease: FloatArray  # (2, n): how easily q and v change, beside typical sizes
     spins: tuple[Spin, ...] = ()  # what holds of ω' of bodies in space
 
 
@@ -82,11 +87,12 @@ def start_values(
         problems.append(_refusal(description, fixed_names))
     if problems:
         raise AssemblyError(problems)
+    ease = np.where((mechanism.shape["counted"] > 0) & ~named, _FOLLOWS, 1.0)
     if release:
         none = np.zeros(n, np.bool_)
-        return Start(values[0], np.where(states, values[1], 0.0), none, none.copy(), named[0])
+        return Start(values[0], np.where(states, values[1], 0.0), none, none.copy(), named[0], ease)
     rows = tuple(Spin(name, *description.spins[name], x) for name, x in spins.items())
-    return Start(values[0], values[1], fixed[0], fixed[1], named[0], rows)
+    return Start(values[0], values[1], fixed[0], fixed[1], named[0], ease, rows)
 
 
 def _spin_problems(description: Description, guess: Numbers) -> list[str]:
@@ -104,7 +110,7 @@ def _refusal(description: Description, guess: Numbers) -> str:
     """The problem of guesses, all of which name what the scene fixes."""
     series = description.series
     scene = ", ".join(
-        f"{row.name} = {row.value:.6g} {series.find(row.name).unit}"
+        f"{row.name} = {with_unit(row.value, series.find(row.name).unit)}"
         for row in description.start
         if row.role == "fixed" and row.name in guess
     )
@@ -117,7 +123,7 @@ def _refusal(description: Description, guess: Numbers) -> str:
 def start_of_state(state: Assembly | State) -> Start:
     """All values of a state, none of them fixed."""
     free = np.zeros(len(state.q), np.bool_)
-    return Start(state.q.copy(), state.v.copy(), free, free.copy(), ~free)
+    return Start(state.q.copy(), state.v.copy(), free, free.copy(), ~free, np.ones((2, len(free))))
 
 
 def start_note(
@@ -134,7 +140,7 @@ def start_note(
         )
     elif given:
         kept = (
-            f"{name} = {value:.6g} {description.series.find(name).unit}"
+            f"{name} = {with_unit(value, description.series.find(name).unit)}"
             for name, value in given.items()
         )
         parts.append(f"start sets {', '.join(kept)}.")
@@ -143,5 +149,6 @@ def start_note(
             unit = description.series.find(name).unit
             set_others = "" if isinstance(given, State) else ", ".join(given or ())
             why = f", with start of {set_others}" if set_others else ": start= sets a value"
-            parts.append(f"guess {name} = {value:.6g} became {begin[name]:.6g} {unit}{why}.")
+            reached = with_unit(without_rounding((begin[name], value))[0], unit)
+            parts.append(f"guess {name} = {value:.6g} became {reached}{why}.")
     return "".join(f" {part}" for part in (*parts, *filter(None, (begin.note,))))

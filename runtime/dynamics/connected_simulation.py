@@ -15,7 +15,9 @@ from typing import Any
 import numpy as np
 
 from codegen.errors import LinkwrightError, ModelError
+from codegen.object_display import without_rounding
 from runtime.assembly.mirrored_joints import mirrored_joints
+from runtime.assembly.regular_start import place_counted
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.joined_runs import Change, joined
 from runtime.dynamics.motion_at_instants import SimulatedMotion
@@ -157,6 +159,7 @@ def cross(
     lost = 0.0
     if engaged:
         equations = Equations(after, parameter_values(after, known_parameters(after, parameters)))
+        _count(equations, t, q, v, known)
         _require_closed(equations, engaged, t, q, end.length)
         rest = v
         try:
@@ -166,6 +169,8 @@ def cross(
             raise Gap(f"{where}. Choose another instant, or release it.") from None
         states = [row.column for row in description.states]
         v[states] = rest[states]  # to the last bit
+        if not without_rounding(np.abs([v - rest, rest]).max(axis=1, initial=0.0))[0]:
+            v, multipliers, work = rest, np.zeros_like(multipliers), 0.0
         lost = float((rest - v) @ equations.mass(q) @ (rest + v)) / 2 + work
         reactions = np.zeros(len(description.reactions))
         if "reactions" in description.kernels:
@@ -182,6 +187,18 @@ def cross(
         change.append(Reconnection(t, joint, action, impulse, own, units))
     start = State(t, q, v, description.coordinates, discrete=end.state.discrete)
     return start, tuple(change)
+
+
+def _count(
+    equations: Equations, t: float, q: FloatArray, v: FloatArray, known: Sequence[int]
+) -> None:
+    """Let joints that engage count from where their bodies stand; -1 in `known` is new."""
+    made, counted = equations.start, equations.mechanism.shape["counted"]
+    made.arrays["ease_q"][:] = np.where(np.less(known, 0) & (counted > 0), np.inf, 1.0)
+    place_counted(made.table, t, equations.p, q)
+    for column in np.flatnonzero(made.arrays["ease_q"] > 1.0):
+        slopes = equations.jacobian(t, q)[counted[column] - 1]
+        v[column] = -(slopes @ v) / slopes[column]
 
 
 def _what_changes(end: Ending) -> str:

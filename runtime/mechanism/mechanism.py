@@ -117,6 +117,7 @@ class Mechanism:
         for state in description.states:
             scaled[state.column], typical[state.column] = False, state.nominal
         angles = np.flatnonzero(~lengths)
+        rows = {row.name: k for k, row in enumerate(description.constraints, 1)}
         turns = np.zeros((2, len(lengths)))  # every angle by another amount
         turns[0, angles] = 0.5 + 0.2 * np.sin(1.0 + angles)
         turns[1, angles] = -(0.5 + 0.2 * np.cos(2.0 * angles))
@@ -126,7 +127,7 @@ class Mechanism:
             "of_length": lengths,
             "scaled_by_length": scaled,
             "every": np.ones(len(lengths)),
-            "counted": [row.is_counted for row in description.coordinates],
+            "counted": [row.is_counted * rows.get(row.name, 0) for row in description.coordinates],
             "in_metres": [row.unit == "m" for row in description.parameters],
             "turning": [first for _, first in description.turning],
         }

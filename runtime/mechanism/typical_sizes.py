@@ -38,7 +38,7 @@ START.integers("slope_rows slope_columns", _NONZEROS, allotted=False)
 START.integers("of_length", _N, allotted=False)  # 1 of coordinates that are lengths
 START.integers("scaled_by_length", _N, allotted=False)  # of those measured in the machine's length
 START.integers("every", _N, allotted=False)  # 1 of every coordinate
-START.integers("counted", _N, allotted=False)  # 1 of angles and slides that joints count
+START.integers("counted", _N, allotted=False)  # of what joints count: its row, from 1 on; else 0
 START.floats("typical", _N, allotted=False)  # changes of the coordinates that are no lengths
 START.matrix("turns", (2, None), _N, allotted=False)  # to two positions with all angles turned
 START.integers("turning", _TURNING, allotted=False)  # columns of e0 of bodies in space
@@ -48,10 +48,11 @@ START.integers("in_metres", _PARAMETERS, allotted=False)  # 1 of parameters in m
 # What is free to move, 1, and how much it weighs.
 START.integers("free_q free_v", _N)
 START.floats("move_weight", _N)
+START.floats("ease_q ease_v", _N)  # how easily they change, beside typical sizes
 
 # Room: Φ_q at a position and in another pose, what enters each constraint, typical changes.
 START.floats("slopes other_slopes", _NONZEROS)
-START.floats("pose change_scale", _N)
+START.floats("pose change_scale speed_scale", _N)
 START.floats("phi row_scale steepest", _M)
 START.integers("marks", _M)
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from codegen.errors import AnalysisError, InputError, LinkwrightError
 from codegen.termination_signals import SignalDeferral
+from runtime.assembly.mirrored_joints import are_mirrored
 from runtime.core.arrays import Vector
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import leave_out_unknown
@@ -272,6 +273,10 @@ class Worker:
                 self.steps = max(1, self.steps // 2)
             self.ended += int((results.status[before:at] != LEFT).sum())
             tell()
+        done = first + np.flatnonzero(results.status[first:last] == DONE)
+        again = done[are_mirrored(self.runs.mechanism.description, results.samples.q[done, 0])]
+        results.status[again], results.events[again] = LEFT, 0  # to runs, which refuse or tell
+        self.ended -= len(again)
         self.tried += last - first
         self.left += int((results.status[first:last] == LEFT).sum())
         if self.tried >= _TRIED and self.left > _MOST_LEFT * self.tried:

@@ -1,6 +1,7 @@
 """The arrays of the compiled loop over the members of an ensemble, and how they are made."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -163,7 +164,8 @@ class Preparation(NamedTuple):
     def message(self, results: Results, run: int, start: Mapping[str, float] | None) -> str:
         """What `simulate` says of the run of a member to its end, with these start values."""
         ready, unresolved = self.coordinates.ready, results.unresolved[run]
-        note = start_note(ready.mechanism, ready.begin, None, start) if start else ""
+        begin = replace(ready.begin, note="")  # which is that of one member
+        note = start_note(ready.mechanism, begin, None, start) if start else ""
         note += sentence_of_unresolved(
             ready.mechanism.description, unresolved, int(results.logged[run])
         )

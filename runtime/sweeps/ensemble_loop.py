@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from runtime.assembly.regular_start import REGULAR, assemble_regular
+from runtime.assembly.regular_start import REGULAR, assemble_regular, place_counted
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.arrays import Vector, i8
@@ -85,6 +85,7 @@ def prepare_run(common: Any, own: Any, run: int) -> bool:
     if not (take_values(common, own, run) and write_inertia(common, own, begin.neutral)):
         return False
     q, v, p, t = own.q, own.v, own.p, common.t
+    place_counted(begin, t, p, q)
     if assemble_regular(begin, t, p, q, v) != REGULAR:
         return False
     write_scale(begin, measure_length(begin, t, q, p), own.sizes)

@@ -111,3 +111,23 @@ def test_a_distance_driver_advises_words_of_space(tmp_path: Path) -> None:
     model.scene("run", drivers=["winch"])
     with pytest.raises(ModelError, match=r"with model\.translation_driver or model\.driver\."):
         load(model, "run", folder=tmp_path)
+
+
+@pytest.mark.parametrize(("speed", "turned"), [(2.9, 2.9), (-2.9, -2.9), (4.0, 4.0 - 2 * np.pi)])
+def test_a_joint_that_engages_counts_from_where_it_stands(
+    speed: float, turned: float, workshop: Path
+) -> None:
+    """Its impulse is rounding, and so is what it takes of the energy."""
+    model: Any = Model(f"caught_at_{10 * (turned + 9):.0f}", space=True)
+    body = model.body("b", 1.0, (1.0, 1.2, 1.4))
+    lock = model.cylindrical("lock", model.ground, body, at=(0, 0, 0), axis=Z)
+    model.engage(lock, when=t > 1.0)
+    start = {"b.omega_x": 0.0, "b.omega_y": 0.0, "b.omega_z": speed, "b.vz": 0.2}
+    model.scene("run", start=start, outputs=["default", lock.angle, lock.slide])
+    run = load(model, "run", folder=workshop).simulate(2.0, 11, rtol=1e-11, progress=False)
+    assert run.outcome is Outcome.OK, run.message
+    late = run.t > 1.0
+    assert_allclose(run["lock.angle"][late], turned + speed * (run.t[late] - 1.0), atol=1e-8)
+    assert_allclose(run["lock.slide"][late], 0.2 * run.t[late], rtol=0.0, atol=1e-9)
+    assert "took" not in run.message
+    assert "(fx 0 N s, fy 0 N s, fz 0 N s, tx 0 N m s" in run.message

@@ -112,3 +112,22 @@ def test_a_weld_engages_as_it_is_drawn_or_ends_the_run(workshop: Path) -> None:
         assert run.outcome is ended, run.message
         told = "where its bodies are turned by half a turn against the drawing" in run.message
         assert told == (instant == 1.0)
+
+
+@pytest.mark.parametrize("kind", KINDS[1:])
+def test_members_of_an_ensemble_are_told_as_single_runs(kind: str, workshop: Path) -> None:
+    machine, turns = load(held(kind), folder=workshop), (0.0, 1.0, 1.0, 0.0)
+    for e1 in (turns, turns[::-1], tuple(1.0 - x for x in turns)):
+        starts = {"b.e0": 1.0 - np.array(e1), "b.e1": np.array(e1)}
+        many = machine.ensemble(0.1, 3, starts=starts, progress=False)
+        for k, turned in enumerate(e1):
+            start = {"b.e0": 1.0 - turned, "b.e1": turned}
+            try:
+                text = machine.simulate(0.1, 3, start=start, progress=False).message
+            except AssemblyError as error:
+                text = str(error)
+            assert many["message"].values[k] == text
+            refused = bool(turned) and kind == "translational"
+            assert (many["outcome"].values[k] == "AssemblyError") == refused
+            assert np.isnan(many["q"].values[k]).all() == refused
+            assert ("opposite" in text) == (bool(turned) and not refused)

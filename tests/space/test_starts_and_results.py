@@ -179,3 +179,72 @@ def test_a_spin_that_is_not_met_is_named_alone(workshop: Path) -> None:
     assert "rod.omega_z = 2 rad/s, where" in text
     assert "omega_x" not in text
     assert "fixed are rod.vy = 0 m/s" in text
+
+
+def pair(*outputs: str) -> Model:
+    """Two bodies in a row by hinges that are not parallel."""
+    model = Model(f"pair_{len(outputs)}", space=True, gravity=DOWN)
+    first = model.body("b", 1.0, (0.1, 0.2, 0.25), at=(0.5, 0, 0), axes=(0.2, 0.1, -0.3))
+    second = model.body("c", 1.0, (0.1, 0.2, 0.25), at=(1, 0.5, 0), axes=(0.4, 0, 0))
+    model.revolute("A", model.ground, first, at=(0, 0, 0), axis=(1, 1, 1))
+    model.revolute("B", first, second, at=(1, 0, 0), axis=(0, 1, 2))
+    model.scene("s", ["gravity"], outputs=["default", *outputs])
+    return model
+
+
+@pytest.mark.parametrize(
+    ("start", "guess"),
+    [
+        ({"b.vz": 1.0}, {}),
+        ({}, {"c.vx": 0.3, "c.vy": -2.0}),
+        ({"c.omega_z": 2.0}, {"b.vz": 0.5}),
+        ({}, {"b.e1": 0.2, "b.vz": 1.0}),
+    ],
+)
+def test_a_start_does_not_depend_on_what_joints_count(
+    start: dict[str, float], guess: dict[str, float], workshop: Path
+) -> None:
+    """Rates and angles that nobody gives follow from the bodies, and pull none of them."""
+    plain, counting = (load(pair(*names), folder=workshop) for names in ((), ("A.angle", "B.rate")))
+    q, v = (getattr(plain.assemble(start=start, guess=guess), x) for x in "qv")
+    found = counting.assemble(start=start, guess=guess)
+    near = 1e-5 if "b.e1" in guess else 1e-9  # which ends a minimisation
+    assert_allclose(found.q[:14], q, rtol=0.0, atol=near)
+    assert_allclose(found.v[:14], v, rtol=0.0, atol=near)
+    axis = rotation(found.q[3:7]) @ (2.0 * matrix_g(found.q[3:7]) @ found.v[3:7])
+    assert found["A.rate"] == pytest.approx(axis.sum() / np.sqrt(3), abs=1e-9)
+    assert np.abs(v).max() > 0.1
+
+
+def test_an_angle_that_nobody_gives_is_within_half_a_turn(workshop: Path) -> None:
+    model = Model("turned_hinges", space=True)
+    first = model.body("b", 1.0, (0.1, 0.2, 0.25), at=(0.5, 0, 0))
+    second = model.body("c", 1.0, (0.1, 0.2, 0.25), at=(1.5, 0, 0))
+    model.revolute("A", model.ground, first, at=(0, 0, 0), axis=(0, 0, 1))
+    model.cylindrical("B", first, second, at=(1, 0, 0), axis=(0, 0, 1))
+    model.scene("s", outputs=["default", "A.angle", "B.angle", "B.slide"])
+    machine, angles = load(model, folder=workshop), (-3.1, -2.0, 0.3, 2.7, 3.1)
+    half = 0.5 * np.array([[a, a + b] for a in angles for b in (-3.0, 0.0, 2.9)])
+    starts = {
+        "b.e0": np.cos(half[:, 0]), "b.e3": np.sin(half[:, 0]),
+        "c.e0": np.cos(half[:, 1]), "c.e3": np.sin(half[:, 1]),
+    }  # fmt: skip
+    many = machine.ensemble(0.1, 2, starts=starts, progress=False)
+    for k, (a, b) in enumerate(half):
+        begin = machine.assemble(start={name: float(x[k]) for name, x in starts.items()})
+        exact = [2 * a, 2 * (b - a), 0.0]
+        assert_allclose(begin.q[14:], exact, rtol=0.0, atol=1e-9)
+        assert_allclose(many["q"].values[k, 0, 14:], exact, rtol=0.0, atol=1e-9)
+
+
+def test_words_of_a_start(workshop: Path) -> None:
+    """Numbers without a unit, rounding, and bodies that turn since an angle is set."""
+    machine = load(pair("A.angle", "B.rate"), folder=workshop)
+    with pytest.raises(AssemblyError, match=r"Start says b\.e0 = 1, b\.e1 = 0, A\.angle = 1 rad;"):
+        machine.assemble(start={"A.angle": 1.0, "b.e0": 1.0, "b.e1": 0.0})
+    begin, drawn = machine.assemble(start={"A.angle": 2.0}), machine.assemble()
+    assert abs(begin.q[3:7] @ drawn.q[3:7]) < np.cos(0.25 * np.pi)  # by more than a right angle
+    assert "turns by more" not in begin.note
+    run = machine.simulate(0.1, 2, guess={"b.e1": 0.3}, start={"A.angle": 0.0}, progress=False)
+    assert "guess b.e1 = 0.3 became 0.099" in run.message
+    assert " 1:" not in run.message
