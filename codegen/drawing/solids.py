@@ -246,6 +246,10 @@ class _Maker:
                 yield bar(i.body, *ends, 0.7 * pin, element)
                 halves = [BLOCK[1] * self.size, BLOCK[1] * self.size, block]
                 yield box(j.body, _point(j), axes_along(inner), halves)
+            case "plate":
+                halves = [3 * block, 3 * block, 0.4 * pin]
+                yield box(i.body, at, axes_along(h), halves, element)
+                yield ball(j.body, _point(j), 1.7 * pin, element)
             case "cross":
                 for end, axis in ((i, joint.axis), (j, joint.axis_j)):
                     middle, half = _point(end), 1.2 * sleeve * _point(axis)
@@ -279,9 +283,10 @@ class _Maker:
 
 
 def held_apart(picture: SpacePicture, joint: SpaceJoint) -> FloatArray:
-    """From place i of a joint to place j, (3,), m, without its share along the axis of a slide."""
-    away = picture.where(joint.j) - picture.where(joint.i)
-    if joint.slides:
-        way = picture.along(joint.axis)
-        away = away - (away @ way) * way
-    return np.asarray(away)
+    """From place i of a joint to place j, (3,), m, without its share along which it slides."""
+    away = np.asarray(picture.where(joint.j) - picture.where(joint.i))
+    if joint.axis is None or not (joint.slides or joint.form == "plate"):
+        return away
+    way = picture.along(joint.axis)
+    along = (away @ way) * way
+    return along if joint.form == "plate" else away - along

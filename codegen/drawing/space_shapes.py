@@ -13,9 +13,9 @@ from codegen.drawing.shapes import Number, Pair, PointOrPlace, Shape
 class SpaceJoint(Pair):
     """Two places that a joint holds together, but for where it slides.
 
-    Its form is "ball", "hinge", "shaft" (a hinge that slides), "rail" (a block on it), "cross" (of
-    a universal joint) or "clamp". An axis is a direction of body i, or of body j, as the place to
-    which it leads from the body's origin.
+    Its form is "ball", "hinge", "shaft" (a hinge that slides), "rail" (a block on it), "plate" (a
+    ball on it), "cross" (of a universal joint) or "clamp". An axis is a direction of body i, or of
+    body j, as the place to which it leads from the body's origin.
     """
 
     kind = "joint"

@@ -85,7 +85,7 @@ def element(
     driver
         Whether its equations prescribe a motion: ``@element(driver=True)``.
     space
-        Whether it belongs to machines in space alone, and has no page of its own.
+        Whether it belongs to machines in space alone; all of these have one page.
 
     Raises
     ------
@@ -119,14 +119,14 @@ def element(
     return register if cls is None else register(cls)
 
 
-def kinds_of_elements() -> dict[str, Kind]:
-    """All kinds in the plane by name: the library's by their roles and names, then a user's."""
+def kinds_of_elements(*, space: bool = False) -> dict[str, Kind]:
+    """Kinds in the plane, or in space: the library's by their roles and names, then a user's."""
     _load()
     roles = ("joint", "driver", "force")
     ordered = sorted(
         _KINDS.values(), key=lambda k: (k.is_user_defined, roles.index(k.role), k.name)
     )
-    return {kind.name: kind for kind in ordered if not kind.space}
+    return {kind.name: kind for kind in ordered if kind.space == space}
 
 
 def role(kind: str) -> Role | None:

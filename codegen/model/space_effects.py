@@ -1,4 +1,4 @@
-"""Drivers and forces of machines in space, with the names of those in the plane."""
+"""Drivers, gears and forces of machines in space, with the names of those in the plane."""
 
 from typing import Any, Literal
 
@@ -14,6 +14,7 @@ from codegen.elements.space.forces import (
     TorsionSpringInSpace,
 )
 from codegen.elements.space.joints import JointInSpace
+from codegen.elements.space.transmissions import GearInSpace, RackInSpace
 from codegen.model.base import declares
 from codegen.model.forces import Characteristic
 from codegen.model.model import Model
@@ -23,21 +24,21 @@ Place = SpacePoint | SpaceBody  # a body means its centre of mass, or its place 
 
 
 class SpaceEffects(Model):
-    """Drivers and forces of a declaration in space."""
+    """Drivers, gears and forces of a declaration in space."""
 
     @declares(GravityInSpace)
     def gravity(self, name: str, g: Three) -> Effect:  # type: ignore[override]
         """Uniform gravity (g_x, g_y, g_z), m/s², on every body of the scene."""
 
     def rotation_driver(self, name: str, joint: Constraint, law: Any) -> Constraint:  # type: ignore[override]
-        """The angle of a revolute or cylindrical joint follows a law of the time, rad.
+        """The angle of a joint, such as a revolute one, follows a law of the time, rad.
 
         Its reaction is the torque on the joint's second body about the axis, N m.
         """
         return self.driver(name, self._of_joint(name, joint, "angle"), law)
 
     def translation_driver(self, name: str, joint: Constraint, law: Any) -> Constraint:  # type: ignore[override]
-        """The slide of a cylindrical or translational joint follows a law of the time, m.
+        """The slide of a joint, such as a translational one, follows a law of the time, m.
 
         Its reaction is the force on the joint's second body along the axis, N.
         """
@@ -49,6 +50,36 @@ class SpaceEffects(Model):
     ) -> Constraint:
         """A point of a body follows a law of the time along a global axis, m."""
 
+    def gear(  # type: ignore[override]
+        self, name: str, i: Constraint, j: Constraint, ratio: Any, offset: Any = 0
+    ) -> Constraint:
+        """Two wheels mesh: the angle of joint `j` is `ratio` times that of joint `i`.
+
+        The wheels turn in these joints, such as `revolute` ones. `ratio` is negative where one
+        angle decreases as the other grows; `offset`, rad, is the angle of `j` where that of `i` is
+        0.
+        """
+        return self._teeth(GearInSpace, name, (i, j), ratio, offset)
+
+    def rack_and_pinion(  # type: ignore[override]
+        self, name: str, pinion: Constraint, rack: Constraint, radius: Any, offset: Any = 0
+    ) -> Constraint:
+        """A pinion drives a rack: the slide of `rack` is `radius` times the angle of `pinion`.
+
+        These are joints. `radius`, m, is negative where the slide decreases as the angle grows;
+        `offset`, m, is the slide where the angle is 0.
+        """
+        return self._teeth(RackInSpace, name, (pinion, rack), radius, offset)
+
+    def _teeth(
+        self, cls: type[Any], name: str, pair: tuple[Any, Any], ratio: Any, offset: Any
+    ) -> Constraint:
+        angle, driven = (self._of_joint(name, pair[k], ("angle", cls.letter)[k]) for k in range(2))
+        teeth: Constraint = self._element(
+            cls, name=name, angle=angle, driven=driven, ratio=ratio, offset=offset
+        )
+        return self._declare(teeth)
+
     def torsion_spring(  # type: ignore[override]
         self, name: str, joint: Constraint, stiffness: Any = 0, free_angle: Any = 0,
         damping: Any = 0, actuator: Any = 0, torque: Characteristic | None = None,
@@ -59,7 +90,7 @@ class SpaceEffects(Model):
         Parameters
         ----------
         joint
-            A revolute or cylindrical joint; n acts on its first body, -n on its second.
+            A joint with an angle; n acts on its first body, -n on its second.
         stiffness, free_angle, damping, actuator, torque, preload
             As in the plane.
         """

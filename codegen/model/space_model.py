@@ -5,42 +5,24 @@ pose of a body at the drawing is where assembly begins. A joint is declared in g
 drawing, ``at=(x, y, z), axis=(ux, uy, uz)``, or by points and axes of the bodies.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, NoReturn
 
 import numpy as np
 import sympy
 
-from codegen.declare.drawn_pose import (
-    SMALL,
-    Array,
-    attitude_of_axes,
-    attitude_of_vector,
-    perpendicular,
-    rotation_of,
-    symbolic,
-)
-from codegen.declare.element import Constraint
-from codegen.declare.space_body import UPRIGHT, Axis, SpaceBody, SpaceGround, SpacePoint
+from codegen.declare.drawn_pose import SMALL, attitude_of_axes, attitude_of_vector
+from codegen.declare.space_body import UPRIGHT, SpaceBody, SpaceGround
 from codegen.elements.scalar_measures import is_constant
-from codegen.elements.space.joints import (
-    Cylindrical,
-    DistanceInSpace,
-    RevoluteInSpace,
-    Spherical,
-    TranslationalInSpace,
-    Universal,
-    WeldInSpace,
-)
 from codegen.errors import ModelError
-from codegen.model.space_effects import Place, SpaceEffects
+from codegen.model.space_joints import SpaceJoints
 from codegen.readers.values import KindError, members, shown
 
 SPINS = ("omega_x", "omega_y", "omega_z")
 
 
-class SpaceModel(SpaceEffects):
+class SpaceModel(SpaceJoints):
     """A machine in space."""
 
     in_space = True
@@ -78,92 +60,6 @@ class SpaceModel(SpaceEffects):
         attitude = self._attitude(axes, f"{where}: axes")
         return self._declare(SpaceBody(name, m, j, self.token, place=place, attitude=attitude))
 
-    # -- joints ------------------------------------------------------------------------------
-
-    def spherical(self, name: str, i: Place, j: Place, *, at: Any = None) -> Constraint:
-        """A ball joint: points of two bodies coincide.
-
-        Parameters
-        ----------
-        i, j
-            Points of the bodies; or, with `at`, the bodies.
-        at
-            The place of the joint at the drawing, in global axes, m.
-        """
-        return self._declare(Spherical(name, *self._ends(name, i, j, at)))
-
-    def revolute(  # type: ignore[override]
-        self, name: str, i: Place, j: Place, *, at: Any = None, axis: Any
-    ) -> Constraint:
-        """A hinge: points of two bodies coincide, and the bodies share an axis.
-
-        Parameters
-        ----------
-        i, j, at
-            As of `spherical`.
-        axis
-            Its direction at the drawing, in global axes; or an axis of each body, as
-            ``(i.along(1, 0, 0), j.along(1, 0, 0))``.
-        """
-        return self._with_axis(RevoluteInSpace, name, i, j, at, axis)
-
-    def cylindrical(
-        self, name: str, i: Place, j: Place, *, at: Any = None, axis: Any
-    ) -> Constraint:
-        """Body `j` turns about an axis of body `i` and slides along it; words as of `revolute`."""
-        return self._with_axis(Cylindrical, name, i, j, at, axis)
-
-    def translational(  # type: ignore[override]
-        self, name: str, i: Place, j: Place, *, at: Any = None, axis: Any
-    ) -> Constraint:
-        """Body `j` slides along an axis of body `i` without turning; words as of `revolute`.
-
-        The bodies keep the attitude to each other that they have at the drawing.
-        """
-        return self._with_axis(TranslationalInSpace, name, i, j, at, axis)
-
-    def weld(self, name: str, i: Place, j: Place, *, at: Any = None) -> Constraint:  # type: ignore[override]
-        """Two bodies are fixed to each other as they are at the drawing; words as of `spherical`.
-
-        With points, these coincide.
-        """
-        return self._with_axis(WeldInSpace, name, i, j, at, (0, 0, 1))
-
-    def universal(
-        self, name: str, i: Place, j: Place, *, at: Any = None, axes: Sequence[Any]
-    ) -> Constraint:
-        """A Cardan joint: points coincide, and an axis of each body stays perpendicular.
-
-        Parameters
-        ----------
-        i, j, at
-            As of `spherical`.
-        axes
-            The axis of body `i` and that of body `j` at the drawing, in global axes; or
-            ``(i.along(...), j.along(...))``.
-        """
-        ends, where = self._ends(name, i, j, at), f"universal '{name}': axes"
-        try:
-            pair = members(axes, 2)
-        except KindError:
-            self._note(f"{where}={shown(axes)}; give two axes.")
-            pair = [(1, 0, 0), (0, 1, 0)]
-        inner = (self._in_body(e.body, one, where) for e, one in zip(ends, pair, strict=True))
-        return self._declare(Universal(name, *ends, *map(symbolic, inner)))
-
-    def distance(self, name: str, i: Place, j: Place, value: Any = None) -> Constraint:  # type: ignore[override]
-        """Two points keep the distance `value`, m; by default that of the drawing."""
-        ends = self._point(name, i), self._point(name, j)
-        if value is None:
-            value = float(np.linalg.norm(self._drawn(ends[1]) - self._drawn(ends[0])))
-        length = self._value(value, "m", f"distance '{name}': value", "positive")
-        return self._declare(DistanceInSpace(name, *ends, length))
-
-    @property
-    def _ground(self) -> SpaceGround:
-        assert isinstance(self.ground, SpaceGround)
-        return self.ground
-
     # -- reading -----------------------------------------------------------------------------
 
     def unit_of(self, name: str) -> str | None:
@@ -173,33 +69,6 @@ class SpaceModel(SpaceEffects):
 
     def _quantities(self) -> list[str]:
         return [*super()._quantities(), *(f"{b}.{spin}" for b in self.bodies for spin in SPINS)]
-
-    def _point(self, name: str, place: Any) -> SpacePoint:
-        point = place.at(0, 0, 0) if isinstance(place, SpaceBody) else place
-        if not isinstance(point, SpacePoint) or not isinstance(point.body, SpaceBody):
-            self._note(
-                f"'{name}': {shown(place)} is neither a point nor a body of a machine in space; "
-                "write body.at(x, y, z)."
-            )
-            point = SpacePoint(self._ground, 0, 0, 0)
-        where = f"point of '{name}' on body '{point.body.name}'"
-        place = [self._read.value(s, "m", where) for s in (point.sx, point.sy, point.sz)]
-        self._note_speeds(where, *place)
-        return SpacePoint(point.body, *place)
-
-    def _body(self, where: str, body: Any) -> SpaceBody:
-        found = super()._body(where, body)
-        assert isinstance(found, SpaceBody)
-        return found
-
-    def _vector(self, value: Any, unit: str, where: str, count: int = 3) -> tuple[float, ...]:
-        """Finite numbers; the first axis stands in for others."""
-        try:
-            return tuple(self._read.finite(x, unit, where) for x in members(value, count))
-        except KindError:
-            like = (1.0, *(0.0,) * (count - 1))
-            self._note(f"{where} is {shown(value)}; give {count} numbers, as {like}.")
-            return like
 
     def _inertia(self, value: Any, where: str) -> sympy.ImmutableMatrix:
         """J' from three, six or nine numbers; the unit matrix stands in for others."""
@@ -245,81 +114,11 @@ class SpaceModel(SpaceEffects):
             )
         return found or UPRIGHT
 
-    def _drawn(self, point: SpacePoint) -> Array:
-        """The global place of a point at the drawing, m, for the parameters' defaults."""
-        place = [float(sympy.sympify(s).subs(self.defaults)) for s in point.place]
-        body = point.body
-        return np.asarray(body.place + rotation_of(body.attitude) @ place)
-
-    def _ends(self, name: str, i: Any, j: Any, at: Any) -> tuple[SpacePoint, SpacePoint]:
-        """The points of a joint, given as such or by its place at the drawing."""
-        if at is None:
-            return self._point(name, i), self._point(name, j)
-        place = np.array(self._vector(at, "m", f"'{name}': at"))
-        ends = []
-        for body in (self._body(f"'{name}', with at=", one) for one in (i, j)):
-            arm = rotation_of(body.attitude).T @ (place - np.array(body.place))
-            ends.append(SpacePoint(body, *symbolic(arm)))
-        return ends[0], ends[1]
-
-    def _in_body(self, body: SpaceBody, axis: Any, where: str) -> Array:
-        """A unit vector of a body, from global numbers at the drawing or an axis of the body."""
-        own = isinstance(axis, Axis)
-        if own and axis.body is not body:
-            self._note(f"{where}: {shown(axis)} is no axis of body '{body.name}'.")
-        given = axis.direction if own else axis
-        vector = np.array(self._vector(given, "1", where))
-        size = float(np.linalg.norm(vector))
-        if not size > SMALL:
-            self._note(f"{where} {shown(given)} has no direction; give one.")
-            return np.array([1.0, 0.0, 0.0])
-        turned = vector if own else rotation_of(body.attitude).T @ vector
-        return np.asarray(turned / size)
-
-    def _pair(self, axis: Any, where: str) -> list[Any]:
-        """The direction of an axis for each of two bodies, the same one or two."""
-        given: list[Any] = []
-        with suppress(KindError):
-            given = members(axis)
-        if len(given) == 2:
-            return given
-        if len(given) != 3 or any(isinstance(one, Axis) for one in given):
-            self._note(
-                f"{where} is {shown(axis)}; give three numbers in global axes, or an axis of each "
-                "body, as (i.along(1, 0, 0), j.along(1, 0, 0))."
-            )
-            axis = (1, 0, 0)
-        return [axis, axis]
-
-    def _with_axis(
-        self, cls: type[Any], name: str, i: Any, j: Any, at: Any, axis: Any
-    ) -> Constraint:
-        """A joint with an axis; f and g are the most nearly body axes that there are."""
-        ends, where = self._ends(name, i, j, at), f"{cls.kind} '{name}': axis"
-        pair = self._pair(axis, where)
-        h, h_j = (self._in_body(end.body, one, where) for end, one in zip(ends, pair, strict=True))
-        f = perpendicular(h)
-        of_i, of_j = (rotation_of(end.body.attitude) for end in ends)
-        cosine = float((of_i @ h) @ (of_j @ h_j))
-        if pair[0] is not pair[1] and cosine <= SMALL:
-            bodies = " and ".join(f"'{end.body.name}'" for end in ends)
-            angle = np.degrees(np.arccos(max(-1.0, cosine)))
-            self._note(
-                f"{where}: at the drawing those of {bodies} are {angle:.4g}° apart, and the joint "
-                "may close with opposite ones. Reverse one of the two, or give the attitude of a "
-                "body at the drawing, axes=."
-            )
-        f_j = of_j.T @ of_i @ f
-        f_j -= h_j * (h_j @ f_j)  # perpendicular to its axis, whatever the drawing is
-        size = float(np.linalg.norm(f_j))
-        f_j = f_j / size if size > SMALL else perpendicular(h_j)
-        axes = tuple(symbolic(one) for one in (f, np.cross(h, f), h, f_j, h_j))
-        joint: Constraint = self._declare(cls(name, *ends, axes))
-        return joint
-
 
 ELEMENTS = (
-    "body, spherical, revolute, cylindrical, translational, universal, weld, distance, constraint, "
+    "body, spherical, revolute, cylindrical, translational, universal, planar, weld, distance, "
+    "parallel_axes, point_in_plane, point_on_line, strut, revolute_spherical, revolute_revolute, "
+    "revolute_cylindrical, revolute_translational, screw, gear, rack_and_pinion, constraint, "
     "driver, rotation_driver, translation_driver, point_driver, distance_driver, gravity, force, "
     "torque, spring, torsion_spring, line_force, potential, generalized_force, contact, stop, "
     "release and engage"
@@ -328,9 +127,8 @@ ELEMENTS = (
 REFUSED = (
     *("absolute", "belt", "bushing", "cam_flat_follower", "cam_follower", "clearance_joint"),
     *("coupler", "curve_through", "draw_ground", "dry_friction", "elastic_belt", "friction"),
-    *("gear", "gear_with_backlash", "mass_flow", "motor", "one_way_clutch", "particle"),
-    *("point_follower", "rack_and_pinion", "relative", "relative_driver"),
-    *("revolute_revolute", "revolute_translational", "rolling_disc", "screw"),
+    *("gear_with_backlash", "mass_flow", "motor", "one_way_clutch", "particle"),
+    *("point_follower", "relative", "relative_driver", "rolling_disc"),
 )
 """Words of the plane that a machine in space does not have yet."""
 

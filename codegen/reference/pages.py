@@ -106,7 +106,12 @@ How many operations the element adds to each kernel of the example; equal ones c
 
 | kernel | operations |
 |---|--:|"""
-INDEX = "index.md"
+INDEX, SPACE = "index.md", "in-space.md"
+IN_SPACE = """# Elements of machines in space
+
+Kinds of `Model(name, space=True)` whose equations are not those of the plane. r_i^P is the point \
+of body i, d the way from it to that of body j; f, g and h are unit vectors of a body, \
+perpendicular to each other, h along the axis of the joint. A_i is the rotation matrix of body i."""
 ABOUT = """# Elements
 
 The joints, drivers and forces of the library. Each page shows the equations of an element as they \
@@ -154,7 +159,8 @@ def write(
     texts = {f"{slug(name)}.md": page(name, model) for name in kinds}
     if only is not None:
         return write_folder(folder, texts, check=check)
-    return write_folder(folder, texts | {INDEX: index(kinds)}, others="*.md", check=check)
+    texts |= {INDEX: index(kinds), SPACE: space_page()}
+    return write_folder(folder, texts, others="*.md", check=check)
 
 
 def index(kinds: dict[str, Kind]) -> str:
@@ -164,7 +170,19 @@ def index(kinds: dict[str, Kind]) -> str:
         chosen = (kind for kind in kinds.values() if kind.role == role)
         rows = (f"- [{kind.name}]({slug(kind.name)}.md): {kind.summary}" for kind in chosen)
         sections.append("\n".join((f"## {heading}", "", *rows)))
+    sections.append(f"## In space\n\n- [Elements of machines in space]({SPACE})")
     return "\n\n".join((ABOUT, *sections, WRITTEN)) + "\n"
+
+
+def space_page() -> str:
+    """The docstrings of the library's kinds in space, role by role."""
+    known = [kind for kind in kinds_of_elements(space=True).values() if not kind.is_user_defined]
+    sections = [IN_SPACE]
+    for role, heading in ROLES.items():
+        chosen = (kind for kind in known if kind.role == role)
+        texts = (f"### {kind.name.removesuffix(' in space')}\n\n{kind.text}" for kind in chosen)
+        sections += [f"## {heading}", *texts]
+    return "\n\n".join((*sections, WRITTEN)) + "\n"
 
 
 def page(kind: str, model: Model | None = None) -> str:

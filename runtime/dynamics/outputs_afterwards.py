@@ -79,8 +79,7 @@ def joint_wrench(result: Result, joint: str, on: str, at: Any, axes: str) -> Flo
         raise InputError(f"{about.title}: {unknown('joint or driver in space', joint, known)}")
     if not about.has_masses:
         raise InputError(about.need_masses(f"wrench({joint})"))
-    counted = [k for k, name in enumerate(names) if name.startswith(f"{joint}.")]  # by own rows
-    counting = about.jacobian_rows[np.isin(about.jacobian_columns, counted)]
+    counting = [k for k, row in enumerate(about.constraints) if row.name in names]  # own rows
     rows = [k for k, name in enumerate(joints) if name == joint and k not in counting]
     if np.isnan(lam[:, rows]).all():  # no output of the scene asks for them
         lam = result._afterwards[0][-1].lam

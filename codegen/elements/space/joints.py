@@ -1,9 +1,10 @@
-"""Joints in space, made of three kinds of equations.
+"""Joints in space, made of four kinds of equations.
 
-Two points coincide, r_i + A_i s'_i - r_j - A_j s'_j = 0; two vectors are perpendicular, aᵀ b = 0;
-a vector is perpendicular to the line between two points, aᵀ d = 0 with d = r_j^P - r_i^P (E. J.
-Haug, Computer-Aided Kinematics and Dynamics of Mechanical Systems, 1989, 9.4). Body i has the axis
-h of a joint and two vectors f, g perpendicular to it and to each other; body j has f and h, too.
+Two points coincide, r_i + A_i s'_i - r_j - A_j s'_j = 0, or keep their distance; two vectors keep
+their angle, aᵀ b = cos α; a vector is perpendicular to the line between two points, aᵀ d = 0 with
+d = r_j^P - r_i^P (E. J. Haug, Computer-Aided Kinematics and Dynamics of Mechanical Systems, 1989,
+9.4). Body i has the axis h of a joint and two vectors f, g perpendicular to it and to each other;
+body j has f and h, too.
 
 A joint counts an angle or a slide where a scene asks for it: an own coordinate with a row of its
 own. The angle θ is that by which body j has turned against body i about h since the drawing, with
@@ -28,6 +29,7 @@ from codegen.declare.space_frame import I, J
 from codegen.declare.symbols import coordinate, given
 from codegen.drawing.shapes import Rod, Shapes
 from codegen.drawing.space_shapes import SpaceJoint
+from codegen.elements.joints.guides import Screw
 from codegen.elements.registry import element
 from codegen.errors import ModelError
 
@@ -37,7 +39,9 @@ F, G, H_I = I.vector("f"), I.vector("g"), I.vector("h")
 F_J, H_J = J.vector("f"), J.vector("h")
 PARALLEL = (F.dot(H_J), G.dot(H_J))
 ON_LINE = (F.dot(SPAN), G.dot(SPAN))
-LENGTH = given("length")
+IN_PLANE = (H_I.dot(SPAN),)
+LENGTH, COSINE = given("length"), given("cosine")
+LINK = (SPAN.dot(SPAN) - LENGTH**2,)
 DRAWN = tuple(given(f"drawn{k}") for k in range(4))  # body i in body j, at the drawing
 THETA, SLIDE = coordinate("joint", "angle"), coordinate("joint", "slide")
 
@@ -69,8 +73,8 @@ def counted(letter: str, text: str, *, of_rate: bool = False) -> Any:
     def symbol(joint: "JointInSpace") -> Any:
         if letter not in joint.countable:
             raise ModelError(
-                f"{label(joint)} has no {letter}; revolute and cylindrical joints have an angle, "
-                "cylindrical and translational joints a slide."
+                f"{label(joint)} has no {letter}; joints that turn about an axis have an angle, "
+                "joints that slide along one a slide."
             )
         q = coordinate(joint.name, letter)
         return q.rate if of_rate else q
@@ -87,6 +91,7 @@ class JointInSpace(Constraint):
     form: ClassVar[str] = "ball"  # of `codegen.drawing.space_shapes.SpaceJoint`
     countable: ClassVar[tuple[str, ...]] = ()  # letters of the coordinates that it may count
     facing: ClassVar[tuple[str, ...]] = ()  # letters of the vectors that its bodies share
+    numbers: ClassVar[tuple[str, ...]] = ()  # fields, and placeholders of the same names
     name: str
     i: SpacePoint
     j: SpacePoint
@@ -100,11 +105,16 @@ class JointInSpace(Constraint):
         """Vectors of bodies i and j by letter, in their frames."""
         return {}, {}
 
+    def bindings(self) -> dict[sympy.Symbol, sympy.Expr]:
+        """The placeholders of its class, and their values."""
+        of_i, of_j = self.vectors()
+        numbers = {given(word): getattr(self, word) for word in self.numbers}
+        return I.bind(self.i, **of_i) | J.bind(self.j, **of_j) | numbers
+
     def statement(self) -> Statement:
         """The equations of its class."""
-        of_i, of_j = self.vectors()
-        bindings = I.bind(self.i, **of_i) | J.bind(self.j, **of_j)
-        return Statement(self.phi, self.rows, WrenchReaction(J), bindings, facing=self.facing)
+        phi, bindings = self.phi, self.bindings()
+        return Statement(phi, self.rows, WrenchReaction(J), bindings, facing=self.facing)
 
     def shapes(self) -> Shapes:
         """The form of its class, along an axis of each body if it has them."""
@@ -117,6 +127,7 @@ class JointInSpace(Constraint):
 class JointWithAxis(JointInSpace):
     """A joint with an axis: f, g and h of body i, f and h of body j."""
 
+    counts: ClassVar[dict[str, tuple[sympy.Symbol, sympy.Expr]]] = COUNTED
     counted: ClassVar[tuple[str, ...]] = ()  # letters of the coordinates that a scene asks for
     facing: ClassVar[tuple[str, ...]] = ("h",)
     axes: tuple[Three, Three, Three, Three, Three]
@@ -138,8 +149,8 @@ class JointWithAxis(JointInSpace):
         if not self.counted:
             return stated
         own = tuple((letter, coordinate(self.name, letter)) for letter in self.counted)
-        bindings = stated.bindings | self._drawn | {COUNTED[letter][0]: q for letter, q in own}
-        phi = (*self.phi, *(COUNTED[letter][1] for letter in self.counted))
+        bindings = stated.bindings | self._drawn | {self.counts[letter][0]: q for letter, q in own}
+        phi = (*self.phi, *(self.counts[letter][1] for letter in self.counted))
         reaction = WrenchReaction(J, rows=len(self.phi))
         return Statement(phi, (*self.rows, *self.counted), reaction, bindings, own, self.facing)
 
@@ -215,16 +226,19 @@ class WeldInSpace(JointWithAxis):
 
 @element(space=True)
 class Universal(JointInSpace):
-    """A Cardan joint: two points coincide, and an axis of each body stays perpendicular.
+    """A Cardan joint: two points coincide, and an axis of each body keeps its angle to the other.
 
-    r_i^P - r_j^P = 0 and h_iᵀ h_j = 0.
+    r_i^P - r_j^P = 0 and h_iᵀ h_j - cos α = 0. With α other than 90° it is the revolute-revolute
+    joint of intersecting axes: a cross without mass whose arms are not perpendicular.
     """
 
     kind = "universal"
     form = "cross"
-    phi, rows = (*COINCIDENT, H_I.dot(H_J)), ("x", "y", "z", "cross")
+    phi, rows = (*COINCIDENT, H_I.dot(H_J) - COSINE), ("x", "y", "z", "cross")
+    numbers = ("cosine",)
     axis_i: Three
     axis_j: Three
+    cosine: sympy.Expr = quantity()
 
     def vectors(self) -> tuple[dict[str, Three], dict[str, Three]]:
         """h of both bodies."""
@@ -239,14 +253,103 @@ class DistanceInSpace(JointInSpace):
     """
 
     kind = "distance in space"
-    phi, rows = (SPAN.dot(SPAN) - LENGTH**2,), ("length",)
+    phi, rows, numbers = LINK, ("length",), ("length",)
     length: sympy.Expr = quantity("m", "positive", advice=", or use a spherical joint")
-
-    def statement(self) -> Statement:
-        """One equation: the squared distance of the two points."""
-        bindings = I.bind(self.i) | J.bind(self.j) | {LENGTH: self.length}
-        return Statement(self.phi, self.rows, WrenchReaction(J), bindings)
 
     def shapes(self) -> Shapes:
         """A rod."""
         return (Rod(self.i, self.j),)
+
+
+@element(space=True)
+class Planar(JointWithAxis):
+    """A plane of body j lies on a plane of body i, slides and turns on it.
+
+    f_iᵀ h_j = 0, g_iᵀ h_j = 0 and h_iᵀ d = 0, with the normals h of the planes.
+    """
+
+    kind = "planar"
+    form = "plate"
+    countable = ("angle",)
+    phi, rows = (*PARALLEL, *IN_PLANE), ("f", "g", "normal")
+
+
+@element(space=True)
+class PointInPlane(JointWithAxis):
+    """A point of body j stays in a plane of body i.
+
+    h_iᵀ d = 0 with the normal h; the reaction is a force along it.
+    """
+
+    kind = "point in plane"
+    form = "plate"
+    facing = ()
+    phi, rows = IN_PLANE, ("normal",)
+
+
+@element(space=True)
+class PointOnLine(JointWithAxis):
+    """A point of body j stays on a line of body i.
+
+    f_iᵀ d = 0 and g_iᵀ d = 0; the reaction is a force across the line.
+    """
+
+    kind = "point on line"
+    form = "shaft"
+    countable, facing = ("slide",), ()
+    phi, rows = ON_LINE, ("line_f", "line_g")
+
+
+@element(space=True)
+class Strut(PointOnLine):
+    """A rod without mass slides along a line of body i; a ball joint holds it to body j.
+
+    The equations are those of a point on a line.
+    """
+
+    kind = "strut"
+
+
+@element(space=True)
+class ParallelAxes(JointWithAxis):
+    """An axis of body i and one of body j stay parallel, wherever the bodies are.
+
+    f_iᵀ h_j = 0 and g_iᵀ h_j = 0; the reaction is a torque.
+    """
+
+    kind = "parallel axes"
+    countable = ("angle",)
+    phi, rows = PARALLEL, ("f", "g")
+
+    def shapes(self) -> Shapes:
+        """Nothing: no places belong together."""
+        return ()
+
+
+LEAD, OFFSET = given("lead"), given("offset")
+TURN = THETA + sympy.cos(THETA) * G.dot(F_J) - sympy.sin(THETA) * F.dot(F_J)
+
+
+@element(space=True)
+class ScrewInSpace(JointWithAxis):
+    """Body j turns about an axis of body i and moves along it by one lead in each turn.
+
+    The equations of a cylindrical joint, and h_iᵀ d - L/2π (θ + sin(ψ - θ)) - s0 = 0. The joint
+    always counts its angle θ, which is ψ, the turn from f_i to f_j, and whole turns; sin(ψ - θ) =
+    cos θ g_iᵀ f_j - sin θ f_iᵀ f_j, so that the thread's torque acts on the bodies and not on θ.
+    """
+
+    kind = "screw in space"
+    form = "shaft"
+    countable = ("angle", "slide")
+    phi = (*ON_LINE, *PARALLEL, H_I.dot(SPAN) - LEAD / (2 * sympy.pi) * TURN - OFFSET)
+    rows = ("line_f", "line_g", "f", "g", "travel")
+    numbers = ("lead", "offset")
+    lead: sympy.Expr = quantity("m")
+    offset: sympy.Expr = quantity("m")
+
+    conditions = Screw.conditions
+
+    def bindings(self) -> dict[sympy.Symbol, sympy.Expr]:
+        """The placeholders of other joints, and the angle."""
+        return super().bindings() | {THETA: coordinate(self.name, "angle")}
