@@ -2,12 +2,14 @@
 
 Every machine is built, compiled and run. At each sample accelerations and reactions are compared
 with Newton's and Euler's equations in the same state, and the motion with the dense motion. With
-`--statics` nothing is compiled or run: the interpreter evaluates the kernels at some states.
+`--statics` nothing is compiled or run: the interpreter evaluates the kernels at some states. With
+`--others` or `--statics_of_others` the machines have the joints that the families do not have.
 """
 
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +25,7 @@ from tests.random_mechanisms.spatial_constraints import SpatialState
 from tests.random_mechanisms.spatial_declaration import coordinates, declare
 from tests.random_mechanisms.spatial_dynamics import SpatialDense, SpatialSolution
 from tests.random_mechanisms.spatial_generator import (
+    OTHER,
     RandomSpatialMechanism,
     random_spatial_mechanism,
 )
@@ -135,9 +138,9 @@ def methods_of(seed: int) -> tuple[str, ...]:
     return ("dop853", *{1: ("radau5",), 4: ("bdf",)}.get(seed % 6, ()))
 
 
-def judge(seed: int) -> tuple[tuple[str, ...], str]:
+def judge(seed: int, family: str | None = None) -> tuple[tuple[str, ...], str]:
     """Complaints about a machine, and what it is."""
-    machine = random_spatial_mechanism(seed)
+    machine = random_spatial_mechanism(seed, family)
     about = f"; {machine.family} {machine.driven} {list(machine.loops)} {machine.redundant}"
     with tempfile.TemporaryDirectory() as folder:
         try:
@@ -152,9 +155,9 @@ def judge(seed: int) -> tuple[tuple[str, ...], str]:
     return tuple(c for verdict in verdicts for c in verdict.complaints), about
 
 
-def judge_statics(seed: int) -> tuple[tuple[str, ...], str]:
+def judge_statics(seed: int, family: str | None = None) -> tuple[tuple[str, ...], str]:
     """Complaints about the lowered equations of a machine, and what it is."""
-    machine = random_spatial_mechanism(seed)
+    machine = random_spatial_mechanism(seed, family)
     about = f"; {machine.family} {machine.driven} {list(machine.loops)} {machine.redundant}"
     try:
         statics = Statics(machine)
@@ -165,4 +168,6 @@ def judge_statics(seed: int) -> tuple[tuple[str, ...], str]:
 
 
 if __name__ == "__main__":
-    run_campaign(__doc__, judge, statics=judge_statics)
+    others = {"others": judge, "statics_of_others": judge_statics}
+    others = {name: partial(of, family=OTHER) for name, of in others.items()}
+    run_campaign(__doc__, judge, statics=judge_statics, **others)

@@ -1,11 +1,13 @@
 """Constraints between rotation matrices, with slopes by (ṙ, ω) and second derivatives by hand.
 
 Three kinds of scalars make every joint: a·b of two vectors, a·(p_j - p_i) of a vector and two
-points, and |p_j - p_i| of two points; the angle of a joint is made of two of the first kind. Every
-vector and point is fixed in a body; the ground is the last body. Nothing here takes an absolute
-value or a conjugate, so that a complex step differentiates it.
+points, and |p_j - p_i| of two points; the angle of a joint is made of two of the first kind, and a
+screw, a gear or a rack is a sum of angles and scalars. Every vector and point is fixed in a body;
+the ground is the last body. Nothing here takes an absolute value or a conjugate, so that a complex
+step differentiates it.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -162,9 +164,7 @@ class Layout:
 
     def __init__(self, mechanism: parts.SpatialMechanism) -> None:
         self.mechanism = mechanism
-        asked = [p.joint for p in (*mechanism.joints, *mechanism.effects)
-                 if isinstance(p, parts.AngleDriver | parts.TorsionSpring)]  # fmt: skip
-        self.angles = tuple(dict.fromkeys(asked))
+        self.angles = tuple(dict.fromkeys(_asked(mechanism)))
         self.at_drawing = _drawing(mechanism, len(self.angles))
         self._frames = Frames(self.at_drawing)
         self._lists: dict[str, list[tuple[Any, ...]]] = {kind: [] for kind in KINDS}
@@ -172,14 +172,19 @@ class Layout:
         self._cosines, self._sines = pairs.reshape(-1, 2).T
         order: list[tuple[str, int]] = []  # kind and place of each row
         self._order = order
+        self._terms: list[list[tuple[float, str, int]]] = []  # of sums: factor, kind and place
         self.rows: dict[str, slice] = {}
         self._laws: list[tuple[int, parts.Law | float]] = []  # row and what it is equal to
         for joint in mechanism.joints:
             begin = len(order)
             self._add(joint)
             self.rows[joint.name] = slice(begin, len(order))
-        sizes = np.cumsum([0, *(len(rows) for rows in self._lists.values())])
-        first = dict(zip((*KINDS, "angle"), sizes.tolist(), strict=True))
+        sizes = np.cumsum([0, *(len(rows) for rows in self._lists.values()), len(self.angles)])
+        first = dict(zip((*KINDS, "angle", "sum"), sizes.tolist(), strict=True))
+        self._sums = np.zeros((len(self._terms), sizes[-1]))
+        for k, terms in enumerate(self._terms):
+            for factor, kind, place in terms:
+                self._sums[k, first[kind] + place] += factor
         self._places = np.array([first[kind] + place for kind, place in order], int)
         self._arrays = [_columns(rows, width) for rows, width in
                         zip(self._lists.values(), (4, 6, 4), strict=True)]  # fmt: skip
@@ -203,7 +208,9 @@ class Layout:
         kinds.append(turns)
         together = Scalars(*(np.concatenate([getattr(kind, name) for kind in kinds])
                              for name in ("value", "by", "second")))  # fmt: skip
-        return _taken(together, self._places), turns
+        both = (getattr(together, name) for name in ("value", "by", "second"))
+        whole = Scalars(*(np.concatenate([x, np.tensordot(self._sums, x, axes=1)]) for x in both))
+        return _taken(whole, self._places), turns
 
     def laws(self, t: float) -> Any:
         """What the rows are equal to, and its first and second rates: (3, rows)."""
@@ -220,11 +227,26 @@ class Layout:
         self._order.append((kind, self._append(kind, *numbers)))
 
     def _angle(self, joint: Any) -> tuple[int, int]:
-        f, g, _ = triad(joint.axis)
+        f, g, _ = triad(getattr(joint, "hinge", joint.axis))
         i, j = joint.i, joint.j
         end = self.fixed_vector(j, f)
         return (self._append("product", i, self.fixed_vector(i, f), j, end),
                 self._append("product", i, self.fixed_vector(i, g), j, end))  # fmt: skip
+
+    def _sum(self, *terms: tuple[float, str, int]) -> None:
+        self._order.append(("sum", len(self._terms)))
+        self._terms.append([*terms])
+
+    def _turn(self, name: str) -> tuple[str, int]:
+        return "angle", self.angles.index(name)
+
+    def _slide(self, of: Any) -> tuple[str, int]:
+        ends = of.i, self.fixed_point(of.i, of.at), of.j, self.fixed_point(of.j, of.at)
+        return "offset", self._append("offset", of.i, self.fixed_vector(of.i, of.axis), *ends)
+
+    def _length(self, i: int, at_i: Any, j: int, at_j: Any) -> None:
+        self._laws.append((len(self._order), float(np.linalg.norm(np.subtract(at_j, at_i)))))
+        self._row("distance", i, self.fixed_point(i, at_i), j, self.fixed_point(j, at_j))
 
     def _right_angles(self, i: int, j: int, pairs: Any) -> None:
         for a, b in pairs:
@@ -244,9 +266,18 @@ class Layout:
                 self._laws.append((len(self._order), law))
                 self._row("distance", i, self.fixed_point(i, at_i), j, self.fixed_point(j, at_j))
             case parts.SphericalSpherical(_, i, j, at_i, at_j):
-                span = np.linalg.norm(np.subtract(at_j, at_i))
-                self._laws.append((len(self._order), float(span)))
-                self._row("distance", i, self.fixed_point(i, at_i), j, self.fixed_point(j, at_j))
+                self._length(i, at_i, j, at_j)
+            case parts.RevoluteSpherical(_, i, j, at_i, at_j, axis):
+                f, g, h = triad(axis)
+                if isinstance(joint, parts.RevoluteRevolute):
+                    self._right_angles(i, j, [(f, h), (g, h)])
+                self._offset(i, h, i, at_i, j, at_j)
+                self._length(i, at_i, j, at_j)
+            case parts.Rack(_, name, driven, ratio):
+                slide = self._slide(self.mechanism.joint(driven))
+                self._sum((1.0, *slide), (-ratio, *self._turn(name)))
+            case parts.Gear(_, name, driven, ratio):
+                self._sum((1.0, *self._turn(driven)), (-ratio, *self._turn(name)))
             case parts.AngleDriver(_, name, law):
                 self._laws.append((len(self._order), law))
                 self._order.append(("angle", self.angles.index(name)))
@@ -264,16 +295,48 @@ class Layout:
             case parts.Spherical() | parts.Revolute() | parts.Universal() | parts.Weld():
                 for axis in np.eye(3):
                     self._offset(parts.GROUND, axis, i, at, j, at)
-            case parts.Translational() | parts.Cylindrical():
+            case (parts.Translational() | parts.Cylindrical() | parts.PointOnLine()
+                  | parts.Screw() | parts.RevoluteCylindrical()):  # fmt: skip
                 for axis in (f, g):
                     self._offset(i, axis, i, at, j, at)
+            case parts.Planar() | parts.PointInPlane():
+                self._offset(i, h, i, at, j, at)
         match joint:
-            case parts.Revolute() | parts.Cylindrical():
+            case (parts.Revolute() | parts.Cylindrical() | parts.Planar() | parts.ParallelAxes()
+                  | parts.Screw()):  # fmt: skip
                 self._right_angles(i, j, [(f, h), (g, h)])
+            case parts.RevoluteTranslational():
+                a, b, hinge = triad(joint.hinge)
+                self._right_angles(i, j, [(a, hinge), (b, hinge)])
+            case parts.RevoluteCylindrical():
+                self._angle_of(i, h, j, joint.hinge)
             case parts.Translational() | parts.Weld():
                 self._right_angles(i, j, [(f, h), (g, h), (f, g)])
             case parts.Universal(_, _, _, _, axis_i, axis_j):
-                self._right_angles(i, j, [(axis_i, axis_j)])
+                self._angle_of(i, axis_i, j, axis_j)
+        if isinstance(joint, parts.Screw):
+            per_turn = joint.lead / (2.0 * np.pi)
+            self._sum((1.0, *self._slide(joint)), (-per_turn, *self._turn(joint.name)))
+
+    def _angle_of(self, i: int, a: Any, j: int, b: Any) -> None:
+        """Two vectors keep their angle."""
+        cosine = np.dot(a, b) / (np.linalg.norm(a) * np.linalg.norm(b))
+        self._laws.append((len(self._order), float(cosine)))
+        self._right_angles(i, j, [(a, b)])
+
+
+def _asked(mechanism: parts.SpatialMechanism) -> Iterator[str]:
+    """The joints whose angle something contains."""
+    for part in (*mechanism.joints, *mechanism.effects):
+        match part:
+            case parts.AngleDriver(_, joint) | parts.TorsionSpring(_, joint):
+                yield joint
+            case parts.Screw(name):
+                yield name
+            case parts.Rack(_, joint):
+                yield joint
+            case parts.Gear(_, joint, driven):
+                yield from (joint, driven)
 
 
 def _drawing(mechanism: parts.SpatialMechanism, turning: int) -> SpatialState:

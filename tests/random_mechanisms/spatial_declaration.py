@@ -1,9 +1,11 @@
 """A spatial mechanism's parts as a declaration in Linkwright, and its states by coordinates."""
 
+import re
 from functools import singledispatch
 from typing import Any
 
 import numpy as np
+import sympy
 
 from codegen import Model
 from tests.random_mechanisms import spatial_parts as parts
@@ -67,19 +69,67 @@ def _(part: Any, to: SpatialDeclaration) -> None:
     getattr(to.model, word)(part.name, to.body(part.i), to.body(part.j), at=part.at)
 
 
+def word(part: Any) -> str:
+    """The method that declares a part: ``point_in_plane``."""
+    return re.sub("(?<!^)(?=[A-Z])", "_", type(part).__name__).lower()
+
+
 @add.register(parts.Revolute)
 @add.register(parts.Translational)
 @add.register(parts.Cylindrical)
+@add.register(parts.Planar)
+@add.register(parts.PointInPlane)
+@add.register(parts.PointOnLine)
+@add.register(parts.RevoluteTranslational)
 def _(part: Any, to: SpatialDeclaration) -> None:
-    word = type(part).__name__.lower()
+    ends, more = (to.body(part.i), to.body(part.j)), {}
+    if isinstance(part, parts.RevoluteTranslational):
+        more = {"hinge": part.hinge}
+    getattr(to.model, word(part))(part.name, *ends, at=part.at, axis=part.axis, **more)
+
+
+@add.register
+def _(part: parts.ParallelAxes, to: SpatialDeclaration) -> None:
+    ends = to.at(part.i, part.at), to.at(part.j, part.at)
+    to.model.parallel_axes(part.name, *ends, axis=part.axis)
+
+
+@add.register
+def _(part: parts.Screw, to: SpatialDeclaration) -> None:
     ends = to.body(part.i), to.body(part.j)
-    getattr(to.model, word)(part.name, *ends, at=part.at, axis=part.axis)
+    to.model.screw(part.name, *ends, part.lead, at=part.at, axis=part.axis)
+
+
+@add.register
+def _(part: parts.RevoluteSpherical, to: SpatialDeclaration) -> None:
+    ends = to.at(part.i, part.at_i), to.at(part.j, part.at_j)
+    getattr(to.model, word(part))(part.name, *ends, axis=part.axis)
+
+
+@add.register
+def _(part: parts.RevoluteCylindrical, to: SpatialDeclaration) -> None:
+    ends, axes = (to.body(part.i), to.body(part.j)), (part.axis, part.hinge)
+    words = dict(zip(("axis", "hinge"), axes, strict=True))
+    to.model.revolute_cylindrical(part.name, *ends, at=part.at, angle=between(*axes), **words)
+
+
+@add.register
+def _(part: parts.Gear, to: SpatialDeclaration) -> None:
+    ends = to.model.joints[part.joint], to.model.joints[part.driven]
+    declared = to.model.rack_and_pinion if isinstance(part, parts.Rack) else to.model.gear
+    declared(part.name, *ends, part.ratio)
 
 
 @add.register
 def _(part: parts.Universal, to: SpatialDeclaration) -> None:
     ends, axes = (to.body(part.i), to.body(part.j)), (part.axis_i, part.axis_j)
-    to.model.universal(part.name, *ends, at=part.at, axes=axes)
+    to.model.universal(part.name, *ends, at=part.at, axes=axes, angle=between(*axes))
+
+
+def between(a: Any, b: Any) -> Any:
+    """The angle of two axes, rad, a right one exactly."""
+    cosine = np.dot(a, b) / (np.linalg.norm(a) * np.linalg.norm(b))
+    return sympy.pi / 2 if abs(cosine) < 1e-15 else np.arccos(cosine)
 
 
 @add.register

@@ -227,7 +227,7 @@ class SpatialDense:
 
     def _end(self, name: str) -> tuple[int, Any]:
         joint: Any = self.mechanism.joint(name)
-        if isinstance(joint, parts.AngleDriver | parts.SlideDriver):
+        if isinstance(joint, parts.AngleDriver | parts.SlideDriver | parts.Gear):
             joint = self.mechanism.joint(joint.joint)
         if isinstance(joint, parts.PointDriver):
             return joint.body, joint.at

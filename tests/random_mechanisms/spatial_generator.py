@@ -15,6 +15,9 @@ from tests.random_mechanisms.spatial_dynamics import DenseError, SpatialDense, m
 from tests.random_mechanisms.spatial_loops import (
     CONCURRENT,
     GENERAL,
+    LINKS,
+    OF_OTHERS,
+    OTHERS,
     PARALLEL,
     TWICE,
     Drawing,
@@ -28,6 +31,7 @@ from tests.random_mechanisms.spatial_motion import motion
 from tests.random_mechanisms.spatial_parts import GROUND, Law
 
 FAMILIES = ("tree", "one loop", "two loops", "three loops")
+OTHER = "other joints"  # a family that comes where it is asked for, and changes no other one
 DRIVEN = ("free", "partly", "wholly")
 SOUND = 5e-3  # the least singular value of independent rows, over the largest
 NEAR = 1e-3  # the same along the motion
@@ -81,7 +85,7 @@ def random_spatial_mechanism(
 ) -> RandomSpatialMechanism:
     """The mechanism of a seed, the same in every process.
 
-    `family` and `driven` are drawn from `FAMILIES` and `DRIVEN` unless given.
+    `family` and `driven` are drawn from `FAMILIES` and `DRIVEN` unless given; `OTHER`, too, may be.
     """
     first = np.random.default_rng([seed, 0])
     drawn = str(first.choice(FAMILIES)), str(first.choice(DRIVEN, p=(0.5, 0.3, 0.2)))
@@ -89,7 +93,7 @@ def random_spatial_mechanism(
     for attempt in range(TRIES):
         random = np.random.default_rng([seed, 1, attempt])
         to = Drawing(random)
-        loops = _draw(to, FAMILIES.index(family))
+        loops = _draw_others(to) if family == OTHER else _draw(to, FAMILIES.index(family))
         if loops is None:
             continue
         freedoms, _ = SpatialDense(to.mechanism).freedoms(SpatialDense(to.mechanism).at_drawing)
@@ -127,12 +131,27 @@ def _draw(to: Drawing, loops: int) -> list[str] | None:
     return [word for word in words if word]
 
 
-def _hang(to: Drawing) -> str:
+def _draw_others(to: Drawing) -> list[str] | None:
+    """A loop with other joints, or two wheels that mesh; and a body on another joint."""
+    word = str(to.random.choice([*OF_OTHERS, "gear", "rack"]))
+    if word in OF_OTHERS:
+        general_loop(to, word, (GROUND, GROUND))
+    else:
+        last = "RT"[word == "rack"]
+        _hang(to, "R")
+        _hang(to, last, GROUND if to.random.random() < 0.5 else 0)
+        kind, ratio = parts.Rack if last == "T" else parts.Gear, float(to.random.uniform(-2, 2))
+        to.joints.append(kind(word, "R1", f"{last}2", ratio))
+    _hang(to, OTHERS)
+    return [word] if is_sound(to.mechanism) else None
+
+
+def _hang(to: Drawing, letters: str = "RRSUTCWD", host: int | None = None) -> str:
     """A body on any other."""
-    host = to.host()
+    host = to.host() if host is None else host
     point = to.near(to.place(host), 0.5)
-    letter = str(to.random.choice([*"RRSUTCWD"]))
-    far = to.near(point, 0.5) if letter == "D" else point
+    letter = str(to.random.choice([*letters]))
+    far = to.near(point, 0.5) if letter in LINKS else point
     to.join(letter, host, to.body(far, to.near(far, 0.6)), point, None, far)
     return ""
 

@@ -2,7 +2,9 @@
 
 A loop is a word with a letter for each joint on the way from host to host, with a body between one
 joint and the next: R revolute, S spherical, U universal, T translational, C cylindrical, W weld,
-D a massless link.
+D a massless link, P planar, I point in plane, L point on line, K strut, A parallel axes, H screw,
+X universal with another angle; with massless couplers B revolute-spherical, Q revolute-revolute, Y
+revolute-cylindrical, V revolute-translational.
 """
 
 from collections.abc import Sequence
@@ -19,12 +21,19 @@ GENERAL = (  # no row depends on others, in general
     "RSSR", "RSUR", "RSCR", "RSUT", "CCCR", "RUUC", "USU", "CSC", "RDR", "RDT", "UDR", "TSSR",
     "CDU", "RRRRRRR", "RUCUR", "RWSUR",
 )  # fmt: skip
+LINKS = "DBQ"  # that lead to another place
+OTHERS = "PILKAHBQYVX"  # in mechanisms of the family of other joints alone
+OF_OTHERS = ("RHSP", "RBU", "RKU", "TYS", "RVSR", "HIR", "LUR", "RAS", "XQS", "RPCR", "RQSX")
 PARALLEL = ("RRRR", "RRRT", "RCRR", "RSRR")  # axes parallel; a slide lies across them
 CONCURRENT = ("RRRR", "RRUR")  # axes through one point
 TWICE = ("RR", "WW", "CC", "TT", "SS")  # one body held twice by its host, on one line
 KINDS = {
     "S": parts.Spherical, "W": parts.Weld, "R": parts.Revolute, "T": parts.Translational,
     "C": parts.Cylindrical, "U": parts.Universal, "D": parts.SphericalSpherical,
+    "P": parts.Planar, "I": parts.PointInPlane, "L": parts.PointOnLine, "K": parts.Strut,
+    "A": parts.ParallelAxes, "H": parts.Screw, "B": parts.RevoluteSpherical,
+    "Q": parts.RevoluteRevolute, "Y": parts.RevoluteCylindrical,
+    "V": parts.RevoluteTranslational, "X": parts.Universal,
 }  # fmt: skip
 
 
@@ -84,6 +93,15 @@ class Drawing:
             case "U":
                 other = np.cross(axis, self.direction())
                 joint = kind(name, i, j, vector(at), vector(axis), vector(other))
+            case "B" | "Q":
+                across = np.cross(np.subtract(to, at), axis)
+                joint = kind(name, i, j, vector(at), vector(to), vector(across))
+            case "H":
+                lead = float(self.random.choice([-1, 1]) * self.random.uniform(0.3, 2.0))
+                joint = kind(name, i, j, vector(at), vector(axis), lead)
+            case "X" | "Y" | "V":
+                other = axis + self.random.uniform(1.0, 2.0) * self.direction()
+                joint = kind(name, i, j, vector(at), vector(axis), vector(other))
             case _:
                 joint = kind(name, i, j, vector(at), vector(axis))
         self.joints.append(joint)
@@ -109,7 +127,7 @@ def add_chain(
     before, last = ends
     made: list[int] = []
     for k, letter in enumerate(word):
-        far = to.near(points[k], 0.5) if letter == "D" else points[k]
+        far = to.near(points[k], 0.5) if letter in LINKS else points[k]
         if k == len(word) - 1:
             body = last
         else:

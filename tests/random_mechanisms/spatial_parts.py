@@ -96,6 +96,80 @@ class Universal(TwoBodyJoint):
 
 
 @dataclass(frozen=True)
+class Planar(TwoBodyJoint):
+    """Body j slides on a plane of body i through `at`, of the normal `axis`, and turns on it."""
+
+    at: Vector
+    axis: Vector
+
+
+@dataclass(frozen=True)
+class PointInPlane(TwoBodyJoint):
+    """The point of body j at `at` stays in a plane of body i of the normal `axis`."""
+
+    at: Vector
+    axis: Vector
+
+
+@dataclass(frozen=True)
+class PointOnLine(TwoBodyJoint):
+    """The point of body j at `at` stays on a line of body i along `axis`."""
+
+    at: Vector
+    axis: Vector
+
+
+@dataclass(frozen=True)
+class Strut(PointOnLine):
+    """A massless rod slides in body i, with a ball joint to body j."""
+
+
+@dataclass(frozen=True)
+class ParallelAxes(TwoBodyJoint):
+    """A direction of each body stays parallel to the other; `at` is a place for the torque."""
+
+    at: Vector
+    axis: Vector
+
+
+@dataclass(frozen=True)
+class Screw(TwoBodyJoint):
+    """Body j turns about `axis` and slides along it by `lead` a turn."""
+
+    at: Vector
+    axis: Vector
+    lead: float
+
+
+@dataclass(frozen=True)
+class RevoluteSpherical(TwoBodyJoint):
+    """A massless link on a hinge of body i at `at_i`, with a ball joint to body j at `at_j`."""
+
+    at_i: Vector
+    at_j: Vector
+    axis: Vector
+
+
+@dataclass(frozen=True)
+class RevoluteRevolute(RevoluteSpherical):
+    """A massless link between two hinges along `axis`."""
+
+
+@dataclass(frozen=True)
+class RevoluteCylindrical(TwoBodyJoint):
+    """A massless sleeve on a line of body i along `axis`, hinged to body j about `hinge`."""
+
+    at: Vector
+    axis: Vector
+    hinge: Vector
+
+
+@dataclass(frozen=True)
+class RevoluteTranslational(RevoluteCylindrical):
+    """A massless block in a guide of body i along `axis`, hinged to body j about `hinge`."""
+
+
+@dataclass(frozen=True)
 class SphericalSpherical(TwoBodyJoint):
     """A massless link: two points keep the distance that they have at the drawing."""
 
@@ -138,9 +212,27 @@ class SlideDriver(SpatialJoint):
     law: Law
 
 
+@dataclass(frozen=True)
+class Gear(SpatialJoint):
+    """The angle of joint `driven` is `ratio` times that of `joint`, both 0 at the drawing."""
+
+    joint: str
+    driven: str
+    ratio: float
+
+
+@dataclass(frozen=True)
+class Rack(Gear):
+    """The slide of joint `driven` is `ratio` times the angle of `joint`."""
+
+
 DRIVERS = (PointDriver, DistanceDriver, AngleDriver, SlideDriver)
-TURNING = (Revolute, Cylindrical)
-SLIDING = (Translational, Cylindrical)
+ALONG = (*DRIVERS, Gear)  # parts that exert one force or torque
+TURNING = (
+    *(Revolute, Cylindrical, Planar, ParallelAxes, Screw, RevoluteRevolute),
+    RevoluteTranslational,
+)
+SLIDING = Translational, Cylindrical, PointOnLine, Screw, RevoluteCylindrical
 
 
 @dataclass(frozen=True)

@@ -45,6 +45,9 @@ def counted(dense: SpatialDense, state: SpatialState, solved: SpatialSolution) -
     for driver in dense.mechanism.joints:
         if isinstance(driver, parts.SlideDriver):
             add(f"{driver.joint}.slide", e.scalars, dense.layout.rows[driver.name].start)
+        if isinstance(driver, parts.Rack):  # on which the slide is the ratio times the angle
+            angle = found[f"{driver.joint}.angle"]
+            found[f"{driver.driven}.slide"] = tuple(driver.ratio * x for x in angle)
     return found
 
 
@@ -68,7 +71,7 @@ def differences(
     largest = max(1.0, float(np.abs(e.jacobian.T @ solved.lam).max()))
     for joint in dense.mechanism.joints:
         known = dense.reaction(joint.name, state, solved)
-        if isinstance(joint, parts.DRIVERS):
+        if isinstance(joint, parts.ALONG):
             (component,) = (row[1] for row in rows if row[0] == joint.name)
             force = reaction(joint.name, component)
             row = dense.layout.rows[joint.name].start

@@ -49,7 +49,20 @@ def of_all_kinds() -> SpatialMechanism:
         parts.AngleDriver("other angle", "cylindrical", LAW),
         parts.SlideDriver("slide", "translational", LAW),
     )
-    return SpatialMechanism(bodies, joints)
+    others = (
+        parts.Planar("planar", 0, 1, point(), point()),
+        parts.PointInPlane("in plane", 1, 2, point(), point()),
+        parts.Strut("strut", GROUND, 2, point(), point()),
+        parts.ParallelAxes("parallel", 2, 1, point(), point()),
+        parts.Screw("screw", 0, GROUND, point(), point(), -0.7),
+        parts.RevoluteSpherical("hinged link", 1, 0, point(), point(), point()),
+        parts.RevoluteRevolute("other link", 2, 0, point(), point(), point()),
+        parts.RevoluteCylindrical("sleeve", 1, 2, point(), point(), point()),
+        parts.RevoluteTranslational("block", 0, 2, point(), point(), point()),
+        parts.Gear("gear", "revolute", "cylindrical", -1.3),
+        parts.Rack("rack", "revolute", "translational", 0.6),
+    )
+    return SpatialMechanism(bodies, (*joints, *others))
 
 
 def stepped(state: SpatialState, r: Any, w: Any) -> SpatialState:
@@ -64,10 +77,10 @@ def stepped(state: SpatialState, r: Any, w: Any) -> SpatialState:
 
 def test_slopes_and_second_derivatives_agree_with_complex_steps() -> None:
     layout, random = Layout(of_all_kinds()), np.random.default_rng(3)
-    assert len(layout.rows) == 12
+    assert len(layout.rows) == 23
     R = Rotation.random(3, random_state=4).as_matrix()
     r, v, w, rr, ww = random.normal(size=(5, 3, 3))
-    state = SpatialState(r, R, v, w, np.zeros(2))
+    state = SpatialState(r, R, v, w, np.zeros(3))
     exact, _ = layout.scalars(state)
     later, _ = layout.scalars(stepped(state, rr, ww))
 

@@ -5,7 +5,7 @@ The reference are Newton's and Euler's equations of `SpatialDense`, at the drawi
 
 import pytest
 
-from tests.random_mechanisms.spatial_generator import random_spatial_mechanism
+from tests.random_mechanisms.spatial_generator import OTHER, random_spatial_mechanism
 from tests.random_mechanisms.spatial_statics import Statics
 
 SEEDS: dict[tuple[str | None, str | None], tuple[int, ...]] = {
@@ -14,6 +14,7 @@ SEEDS: dict[tuple[str | None, str | None], tuple[int, ...]] = {
     ("tree", "wholly"): (1,),
     ("one loop", "free"): (0, 2, 3, 5, 9),
     ("two loops", "free"): (2, 14),
+    (OTHER, None): (2, 4, 8, 11, 17),
     (None, None): (1, 2, 4, 6, 8, 16, 17),  # one to three loops; but for 17, some rows follow
 }
 CASES = [(seed, *kind) for kind, seeds in SEEDS.items() for seed in seeds]

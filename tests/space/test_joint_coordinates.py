@@ -273,11 +273,11 @@ def test_a_coordinate_that_a_scene_does_not_count(workshop: Path) -> None:
 MISTAKES: dict[str, tuple[Callable[[Any], Any], str]] = {
     "angle of a ball": (
         lambda m: m.joints["B"].angle,
-        "spherical 'B' has no angle; revolute and cylindrical joints have an angle,",
+        "spherical 'B' has no angle; joints that turn about an axis have an angle,",
     ),
     "slide of a hinge": (
         lambda m: m.translation_driver("it", m.joints["A"], t),
-        "revolute in space 'A' has no slide; revolute and",
+        "revolute in space 'A' has no slide; joints that turn",
     ),
     "name": (
         lambda m: m.rotation_driver("it", "A", t),

@@ -13,7 +13,7 @@ from tests.space.machines import X, Z
 from tests.space.rotations import rotation
 
 OVER = {"b.e0": 0.2, "b.e1": np.sqrt(1 - 0.2**2)}  # nearly half a turn about x
-KINDS = ("weld", "translational", "revolute", "cylindrical")
+KINDS = ("weld", "translational", "revolute", "cylindrical", "planar")
 
 
 def held(kind: str) -> Model:
