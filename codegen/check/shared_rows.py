@@ -4,13 +4,14 @@ The rest of a joint's rows of Φ_q, without their part in the span of other join
 joint adds. Rows or combinations that stand for it (`codegen.lower.kernels.independent_rows`) are
 compared with it at the start and at positions along the motion: the smallest singular value of the
 product of orthonormal weights with an orthonormal basis of the rest is 1 where they span it, and 0
-where one of them says nothing. Those are taken whose smallest value of all positions is largest.
+where one of them says nothing. Those are taken whose smallest value of all positions is largest,
+and of columns those with few entries, unless others say far more.
 """
 
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from itertools import combinations
-from math import comb
+from itertools import combinations, repeat
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from codegen.lower.scene_graph import SceneGraph
 Array = npt.NDArray[np.float64]
 _SINGULAR = 1e-6  # accuracy: a rest of rows of length 1 without direction, as where bars align
 _ALIKE = 1e-3  # accuracy: smallest values that differ by less are equal, and the first are taken
+_DENSER = 2.0  # measured: ratio of smallest values, from which on columns with more entries pay
 _FIXED = 0.999  # accuracy: smallest value of plain rows that hold in every position
 _MOST = 3000  # safety: choices that are compared
 _TURNING = 0.1  # safety: of columns, from which on they are not mixed with plain rows
@@ -78,7 +80,8 @@ def _chosen(
             if rest.size and np.isfinite(flat).all():
                 values = flat.reshape(-1, len(lengths)) * lengths
                 at.append((rest, np.vstack([np.eye(len(lengths)), values])))
-    return tuple(map(_best, joints, redundant, candidates, seen))
+    in_plane = repeat(not scene.turns)  # columns of Euler parameters vanish in some poses
+    return tuple(map(_best, joints, redundant, candidates, seen, in_plane))
 
 
 def _loses_direction(
@@ -144,7 +147,7 @@ def _rests(
 
 def _best(
     rows: tuple[int, ...], redundant: tuple[int, ...], coordinates: Sequence[int],
-    seen: list[tuple[Array, Array]],
+    seen: list[tuple[Array, Array]], in_plane: bool,
 ) -> SharedRows:  # fmt: skip
     """The rows and columns that stand for what a joint adds.
 
@@ -156,15 +159,19 @@ def _best(
     if seen:
         rests, weights = (np.array(of) for of in zip(*seen, strict=True))
         weights /= np.maximum(np.linalg.norm(weights, axis=2).max(axis=0), 1e-300)[:, None]
-        total = weights.shape[1]
+        total, terms = weights.shape[1], np.count_nonzero(weights.any(axis=0), axis=1)
+        terms *= in_plane and len(seen) > 1  # of one position entries may vanish by chance
         stages = ((range(size), _FIXED), (range(size, total), _TURNING), (range(total), 0.0))
         for among, enough in stages:
-            if comb(len(among), rank) > _MOST:
+            if math.comb(len(among), rank) > _MOST:
                 continue
-            for chosen in combinations(among, rank):
+            most = math.inf
+            sizes = {one: int(terms[[*one]].sum()) for one in combinations(among, rank)}
+            for chosen in sorted(sizes, key=sizes.__getitem__):
                 worst = np.linalg.svd(weights[:, chosen] @ rests, compute_uv=False).min(initial=1.0)
-                if worst > least + _ALIKE:
-                    best, least = chosen, worst
+                pays = _DENSER if least >= _TURNING and sizes[chosen] > most else 1.0
+                if worst > pays * least + _ALIKE:
+                    best, least, most = chosen, worst, sizes[chosen]
             if least >= enough:
                 break
     kept = tuple(rows[s] for s in best if s < len(rows))

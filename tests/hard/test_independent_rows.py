@@ -180,7 +180,7 @@ def test_whole_joints_that_repeat_others_cost_nothing(pair: tuple[str, Machine, 
     name, machine, plain = pair
     here, there = operations(machine), operations(plain)
     for kernel in ("accelerations", "correction"):
-        most = 1.0 if name in ("pin", "ring") else 2.5
+        most = 1.0 if name in ("pin", "ring") else 2.0
         assert there[kernel] <= here[kernel] <= most * there[kernel]
 
 
@@ -205,6 +205,51 @@ def test_a_driven_one_passes_where_a_fixed_choice_of_rows_would_lock(tmp_path: P
     assert not run.singular  # nor where the line of the first two pins lies along the cranks
     torque = run.reaction("drive", "torque")
     np.testing.assert_allclose(torque, 9.81 * 6.5 * np.cos(1.0 + 2 * pi * run.t), atol=1e-7)
+
+
+@pytest.mark.parametrize("method", ["dop853", "radau5"])
+def test_a_poor_choice_passes_where_it_is_singular(
+    method: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One row of the last pin says nothing twice a turn: the run crosses, as a dead centre."""
+    words = {"method": method, "rtol": 1e-10, "max_steps": 3000, "progress": False}
+    good = load(askew(redundant=True), "run", folder=tmp_path / "good")
+    other = good.simulate(1.0, 21, **words)
+    poor = (SharedRows((10, 11), (11,), (10,), ()),)
+    monkeypatch.setattr("codegen.driver.shared_rows", lambda *_: poor)
+    run = load(askew(redundant=True), "run", folder=tmp_path / "poor").simulate(1.0, 21, **words)
+    assert run.singular
+    assert_alike(run, other, 1e-7)
+
+
+@pytest.mark.parametrize("method", ["dop853", "radau5", "bdf"])
+def test_couplers_that_share_a_crank_turn_through(method: str, tmp_path: Path) -> None:
+    """Two tables on three cranks each, one in common, with pins off one line: 22 rows on 21."""
+    pins = [(-0.7, -0.7), (0.7, 0.7), (-0.5, 0.5), (0.6, -0.4), (0.1, 0.9)]
+    model, drawn = Model("shared_crank", gravity=(0, -9.81)), {}
+    bars = [model.body(f"crank_{k}", mass=1.0, inertia=1 / 12) for k in range(5)]
+    for k, (bar, (x, y)) in enumerate(zip(bars, pins, strict=True)):
+        model.revolute(f"A{k}", model.ground.at(x, y), bar.at(-0.5, 0))
+        drawn |= {bar.x: x + cos(1.0) / 2, bar.y: y + sin(1.0) / 2, bar.phi: 1.0}
+    for j, held in enumerate([(0, 1, 2), (2, 3, 4)]):
+        table = model.body(f"table_{j}", mass=3.0, inertia=1.0)
+        drawn |= {table.x: cos(1.0), table.y: sin(1.0), table.phi: 0.0}
+        for k in held:
+            model.revolute(f"B{j}{k}", bars[k].at(0.5, 0), table.at(*pins[k]))
+    angle = drawn.pop(bars[0].phi)
+    model.scene("run", ["gravity"], start={bars[0].phi: angle, bars[0].omega: 8.0}, guess=drawn)
+    run = load(model, "run", folder=tmp_path).simulate(
+        1.5, 31, method=method, rtol=1e-9, progress=False
+    )
+    assert run.outcome is Outcome.OK, run.message
+    assert not run.singular
+    assert "Redundant: B02.y, B14.y" in run.message
+    angles = np.array([run.q(f"crank_{k}.phi") for k in range(5)])
+    assert np.ptp(angles[0]) > 4 * pi
+    np.testing.assert_allclose(angles, angles[:1].repeat(5, axis=0), rtol=0, atol=1e-12)
+    # 5/3 kg m² of the cranks about their pivots, 6 kg m² of the tables; 8.5 kg m of weight
+    energy = 23 / 6 * run.v("crank_0.omega") ** 2 + 8.5 * 9.81 * np.sin(angles[0])
+    np.testing.assert_allclose(energy, energy[0], rtol=1e-6)
 
 
 @pytest.mark.parametrize("method", ["dop853", "radau5"])

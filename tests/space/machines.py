@@ -1,4 +1,4 @@
-"""Machines in space of the tests: a free body, tops, slider-cranks and Bricard's linkage."""
+"""Machines in space of the tests: a free body, tops, slider-cranks, loops, an arm."""
 
 import numpy as np
 from sympy import cos, pi, sin
@@ -73,6 +73,20 @@ def bricard() -> Model:
     chain = (model.ground, *bodies, model.ground)
     for k, (corner, axis) in enumerate(zip(corners, axes, strict=True)):
         model.revolute(f"J{k + 1}", chain[k], chain[k + 1], at=corner, axis=axis)
+    model.scene("fall", effects=["gravity"])
+    return model
+
+
+def robot_arm() -> Model:
+    """Six links in hinges, one behind the other, with axes z y y x y x."""
+    model = Model("robot_arm", space=True, gravity=DOWN)
+    last, x, z = model.ground, 0.0, 0.0
+    for k, axis in enumerate((Z, Y, Y, X, Y, X)):
+        at, x, z = (x, 0, z), x + 0.5, z - 0.0625 * (k % 2)
+        moments = (0.05, 0.06 - 0.005 * k, 0.02)
+        link = model.body(f"link{k + 1}", 5.0 - 0.5 * k, moments, at=(x - 0.25, 0, z))
+        model.revolute(f"J{k + 1}", last, link, at=at, axis=axis)
+        last = link
     model.scene("fall", effects=["gravity"])
     return model
 

@@ -39,7 +39,7 @@ def start(machine: Any, speed: float) -> Any:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", ["bdf", "radau5"])
+@pytest.mark.parametrize("method", ["bdf", "radau5", "dop853"])
 def test_the_flyball_governor_moves_as_its_reference(
     method: str, flyballs: Any, root: Path
 ) -> None:
@@ -73,6 +73,22 @@ def test_the_flyball_governor_moves_at_other_speeds_as_the_dense_equations_say(
         assert_allclose(run.q("slider.z"), height, rtol=0.0, atol=1e-7)
         spin = [state.w[0, 2] for state in exact]
         assert_allclose(run.v("shaft.omega_z"), spin, rtol=0.0, atol=1e-5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("speed", "rtol"), [(3.0, 1e-8), (4.5, 1e-8), (9.0, 1e-9), (12.0, 5e-10)])
+def test_implicit_methods_follow_the_governor_for_ten_seconds_at_other_speeds(
+    speed: float, rtol: float, flyballs: Any
+) -> None:
+    """Turning fast, it swings by most of its height, and errors grow as the square of time."""
+    words = {"start": start(flyballs, speed), "progress": False}
+    exact = flyballs.simulate(10.0, 501, rtol=1e-12, atol=1e-13, method="dop853", **words)
+    for method in ("bdf", "radau5"):
+        run = flyballs.simulate(10.0, 501, rtol=rtol, method=method, **words)
+        assert run.outcome is Outcome.OK
+        assert_allclose(run.q("slider.z"), exact.q("slider.z"), rtol=0.0, atol=1e-7)
+        spin = exact.v("shaft.omega_z")
+        assert_allclose(run.v("shaft.omega_z"), spin, rtol=0.0, atol=1e-6)
 
 
 @pytest.mark.parametrize("bend", RATIOS)

@@ -11,13 +11,14 @@ from codegen.driver import build
 from codegen.emit.module import LONGEST_KERNEL
 from codegen.lower.kernels.accelerations import FAR, inverse_mass_ratio
 from codegen.lower.lowered_scene import outline
-from tests.space.machines import bricard, heavy_top, slider_crank
+from tests.space.machines import bricard, heavy_top, robot_arm, slider_crank
 
 MOST = {
     "heavy_top": (heavy_top, 175, 315),
     "slider_crank_2": (lambda: slider_crank(False), 460, 730),
     "slider_crank_1": (lambda: slider_crank(True), 1030, 1740),
     "bricard": (bricard, 4100, 6100),
+    "robot_arm": (robot_arm, 5900, 7100),
 }
 """Machine → the most operations of `accelerations`, with all multipliers, and of `correction`."""
 
@@ -31,7 +32,8 @@ def test_operations(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("declare", "freedom"), [(heavy_top, 3), (lambda: slider_crank(True), 1), (bricard, 1)]
+    ("declare", "freedom"),
+    [(heavy_top, 3), (lambda: slider_crank(True), 1), (bricard, 1), (robot_arm, 6)],
 )
 def test_freedom_and_redundancy(declare: Callable[[], Model], freedom: int, tmp_path: Path) -> None:
     (scene,) = build(declare(), out=tmp_path, compile=False).scenes
