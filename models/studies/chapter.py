@@ -1,4 +1,4 @@
-"""The studies of the chapter: which machine, which scenes, what is tabulated and drawn.
+"""The studies of the chapters: which machine, which scenes, what is tabulated and drawn.
 
 A study is a module of this package with the functions ``table() -> list[Row]``, and of a second
 one, its name with ``_figures``, with ``figures()``: an iterator of (number in the book, picture).
@@ -30,7 +30,7 @@ class Study:
     title
         What a person calls it.
     machine
-        The file in ``models/``.
+        The file in ``models/``, without its ending.
     scenes
         Those that the study runs.
     """
@@ -122,4 +122,23 @@ STUDIES = (
             *("planetary_kinematics", "planetary_inverse_dynamics"),
         ),
     ),
+    Study(
+        "spatial_slider_crank",
+        "the spatial slider-crank of section 12.2",
+        "space/spatial_slider_crank",
+        ("inverse_dynamics",),
+    ),
+    Study(
+        "spatial_four_bar",
+        "the spatial four-bar of section 12.3",
+        "space/spatial_four_bar",
+        ("inverse_dynamics", "inverse_dynamics_without_link"),
+    ),
+    Study(
+        "swash_plate_compressor",
+        "the air compressor of section 12.4",
+        "space/swash_plate_compressor",
+        ("kinematics",),
+    ),
+    Study("governor", "the governor of section 12.6", "space/governor", ("run",)),
 )

@@ -12,11 +12,11 @@ if TYPE_CHECKING:
 
 HEAD = """# Gallery
 
-The machines of Haug's chapter 8 and its projects, each from its declaration to the numbers and
-figures of the book. "Ours" is the result of this program, "exact" an independent solution in
-extended precision or a closed form, "book" the printed value. Where the book differs from the
-exact value, the reason stands below the table. `make gallery` draws the figures into `figures/`,
-as PNG and SVG.
+The machines of Haug's chapter 8 with its projects and of chapter 12, each from its declaration to
+the numbers and figures of the book. "Ours" is the result of this program, "exact" an independent
+solution in extended precision or a closed form, "book" the printed value. Where the book differs
+from the exact value, the reason stands below the table. `make gallery` draws the figures into
+`figures/`, as PNG and SVG.
 """
 
 TABLE = "| where | quantity | ours | exact | book | |\n|---|---|--:|--:|--:|---|"
@@ -65,8 +65,8 @@ ENDING = "*Written by `python -m models.studies --gallery docs/gallery/book.md`.
 def section(part: Shown) -> str:
     """One machine: its table, the reasons, the figures."""
     study = part.study
-    file, scenes = study.path.name, ", ".join(f"`{scene}`" for scene in study.scenes)
-    declared = f"Declared in [{file}](../../models/{file}); scenes {scenes}."
+    scenes = ", ".join(f"`{scene}`" for scene in study.scenes)
+    declared = f"Declared in [{study.path.name}](../../models/{study.machine}.py); scenes {scenes}."
     lines = [f"## {study.title[0].upper()}{study.title[1:]}", "", declared, "", TABLE]
     reasons: list[str] = []
     for row in part.rows:

@@ -14,7 +14,9 @@ from codegen import Model
 from codegen.driver import translate
 from codegen.generated_files.generated_file import Clock
 from codegen.lower.interpreter import evaluate
-from tests.space.machines import bricard, heavy_top, slider_crank
+from models.space.bricard import bricard
+from models.space.heavy_top import heavy_top
+from tests.space.machines import slider_crank
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 MACHINES = {

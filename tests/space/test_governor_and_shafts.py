@@ -8,21 +8,20 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from models.space.universal_joint import universal_joint
 from runtime import load
 from runtime.core.outcomes import Outcome
-from tests.random_mechanisms.spatial_declaration import coordinates
 from tests.random_mechanisms.spatial_dynamics import SpatialDense
 from tests.random_mechanisms.spatial_motion import motion
 from tests.space import dense_machines
 from tests.space.closed_forms import universal_joint_angle, universal_joint_ratio
-from tests.space.machines import governor, shafts
 
 RATIOS = (0.5, 1.2)  # bends of shafts, rad
 
 
 @pytest.fixture(scope="module")
-def flyballs(workshop: Path) -> Any:
-    return load(governor(), folder=workshop)
+def flyballs() -> Any:
+    return load("space/flyball_governor")
 
 
 def turning(speed: float) -> Any:
@@ -32,12 +31,6 @@ def turning(speed: float) -> Any:
     return replace(at, v=np.cross(w, at.r), w=w)
 
 
-def start(machine: Any, speed: float) -> Any:
-    names = (*machine.coordinates.names, *(row.velocity for row in machine.coordinates))
-    q, v = coordinates(turning(speed))
-    return machine.assemble(guess=dict(zip(names, [*q.tolist(), *v.tolist()], strict=True)))
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("method", ["bdf", "radau5", "dop853"])
 def test_the_flyball_governor_moves_as_its_reference(
@@ -45,7 +38,7 @@ def test_the_flyball_governor_moves_as_its_reference(
 ) -> None:
     rows = np.genfromtxt(root / "tests/data/flyball_governor.csv", delimiter=",", names=True)
     run = flyballs.simulate(
-        rows["t"][-1], rows["t"], start=start(flyballs, 2 * np.pi), rtol=1e-8, method=method,
+        rows["t"][-1], rows["t"], rtol=1e-8, method=method,
         progress=False,
     )  # fmt: skip
     assert run.outcome is Outcome.OK
@@ -66,7 +59,7 @@ def test_the_flyball_governor_moves_at_other_speeds_as_the_dense_equations_say(
     exact = motion(dense, turning(speed), instants.tolist(), 1e-12)
     for method in ("bdf", "radau5"):
         run = flyballs.simulate(
-            instants[-1], instants, start=start(flyballs, speed), rtol=1e-8, method=method,
+            instants[-1], instants, start={"shaft.omega_z": speed}, rtol=1e-8, method=method,
             progress=False,
         )  # fmt: skip
         height = [state.r[1, 2] for state in exact]
@@ -81,7 +74,7 @@ def test_implicit_methods_follow_the_governor_for_ten_seconds_at_other_speeds(
     speed: float, rtol: float, flyballs: Any
 ) -> None:
     """Turning fast, it swings by most of its height, and errors grow as the square of time."""
-    words = {"start": start(flyballs, speed), "progress": False}
+    words = {"start": {"shaft.omega_z": speed}, "progress": False}
     exact = flyballs.simulate(10.0, 501, rtol=1e-12, atol=1e-13, method="dop853", **words)
     for method in ("bdf", "radau5"):
         run = flyballs.simulate(10.0, 501, rtol=rtol, method=method, **words)
@@ -96,7 +89,7 @@ def test_the_second_shaft_turns_at_the_ratio_of_the_universal_joint(
     bend: float, workshop: Path
 ) -> None:
     """ω₂/ω₁ = cos β/(1 - sin² β cos² θ) along two turns; three rows follow from others."""
-    machine = load(shafts(bend, driven=True), folder=workshop)
+    machine = load(universal_joint(bend), "driven", folder=workshop)
     run = machine.kinematics(2 * np.pi, 201, progress=False)
     assert run.outcome is Outcome.OK
     ratio = [universal_joint_ratio(2 * time, bend) for time in run.t]
@@ -120,7 +113,7 @@ def test_the_second_shaft_turns_at_the_ratio_of_the_universal_joint(
 def test_free_shafts_keep_the_ratio_and_their_energy(method: str, workshop: Path) -> None:
     """½ (J₁ + J₂ i²) ω₁² stays, with the ratio i of the universal joint at the angle reached."""
     bend = RATIOS[0]
-    machine = load(shafts(bend, driven=False), folder=workshop)
+    machine = load(universal_joint(bend), "free", folder=workshop)
     run = machine.simulate(3.0, 61, rtol=1e-11, method=method, progress=False)
     assert run.outcome is Outcome.OK
     A = run.rotation("first")

@@ -9,12 +9,13 @@ import pytest
 from numpy.testing import assert_allclose
 
 from codegen import Model
+from models.space.heavy_top import heavy_top
 from runtime import load
 from runtime.core.outcomes import Outcome
 from tests.space.closed_forms import SpatialSliderCrank
 from tests.space.free_body import FreeBody
 from tests.space.heavy_top import sleeping_limit
-from tests.space.machines import Z, driven_slider_crank, free_body, heavy_top, top
+from tests.space.machines import Z, free_body, top
 
 METHODS = ("dop853", "radau5", "bdf")
 # the heavy top after 1 s, by its own ODE in ω' and p at rtol 1e-13
@@ -109,8 +110,8 @@ def test_the_driven_slider_crank_of_the_book(
 
     The torques are differences of T + V of the rod and the slider, found apart from this program.
     """
-    machine = load(driven_slider_crank(length), folder=workshop)
-    result = machine.inverse_dynamics(1.0, 1001, progress=False)
+    machine = load("space/spatial_slider_crank", "inverse_dynamics")
+    result = machine.inverse_dynamics(1.0, 1001, parameters={"length": length}, progress=False)
     angle = np.pi / 2 - 2 * np.pi * result.t
     x = np.array([float(SpatialSliderCrank(length).slider(one)) for one in angle])
     assert_allclose(result.q("slider.x"), x, rtol=0.0, atol=1e-12)

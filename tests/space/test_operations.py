@@ -11,7 +11,9 @@ from codegen.driver import build
 from codegen.emit.module import LONGEST_KERNEL
 from codegen.lower.kernels.accelerations import FAR, inverse_mass_ratio
 from codegen.lower.lowered_scene import outline
-from tests.space.machines import bricard, heavy_top, robot_arm, slider_crank
+from models.space.bricard import bricard
+from models.space.heavy_top import heavy_top
+from tests.space.machines import robot_arm, slider_crank
 
 MOST = {
     "heavy_top": (heavy_top, 175, 315),

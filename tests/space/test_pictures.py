@@ -15,9 +15,11 @@ from codegen.drawing.space_shapes import Bulk, SpaceJoint
 from codegen.drawing.space_strokes import strokes_in_space
 from codegen.errors import InputError
 from codegen.picture_at_start import declared_picture
+from models.space.bricard import bricard
+from models.space.heavy_top import heavy_top
 from runtime import load
 from runtime.show.pictures import exerted, moving_picture
-from tests.space.machines import DOWN, X, Y, bricard, heavy_top, slider_crank
+from tests.space.machines import DOWN, X, Y, slider_crank
 
 
 def drawn(model: Model) -> SpacePicture:

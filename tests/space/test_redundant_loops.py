@@ -7,9 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from codegen import Model
+from models.space.bricard import bricard
 from runtime import load
 from runtime.core.outcomes import Outcome
-from tests.space.machines import bricard
 
 
 def tracked() -> Model:

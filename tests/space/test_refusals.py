@@ -14,8 +14,9 @@ from codegen.model.bodies import MovingBodies
 from codegen.model.contacts import Contacts
 from codegen.model.forces import Forces
 from codegen.model.space_model import ELEMENTS, REFUSED, SpaceModel
+from models.space.heavy_top import heavy_top
 from runtime import load
-from tests.space.machines import X, Z, heavy_top
+from tests.space.machines import X, Z
 
 
 def declared(**words: Any) -> Any:

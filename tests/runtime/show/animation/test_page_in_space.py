@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from models.space.heavy_top import heavy_top
 from runtime import Result, animate, load
 from runtime.show.animation import animation, page_text
 from runtime.show.animation.animation import TURN, animated, turns
 from tests.runtime.show.animation.conftest import WIDE
-from tests.space.machines import heavy_top, slider_crank
+from tests.space.machines import slider_crank
 
 THREE = Path(page_text.__file__).parent / "three"
 SHA256 = "69e98fedee87302f265769a375c4be73834574af04d2c93e79764d2ccb7fc48e"
