@@ -10,7 +10,8 @@ FREEZE = -m pip freeze --disable-pip-version-check --exclude-editable
 
 # What in models/ is not the declaration of a machine.
 NOT_MODELS := models/__init__.py models/__main__.py
-MODELS = $(filter-out $(NOT_MODELS) $(wildcard models/_*.py),$(sort $(wildcard models/*.py))) $(HARD)
+MODELS = $(filter-out $(NOT_MODELS) $(wildcard models/_*.py),$(sort $(wildcard models/*.py))) $(SPACE) $(HARD)
+SPACE = $(sort $(shell grep -l '^model = ' models/space/*.py))
 # The hard cases' folder holds their declarations and what runs them.
 HARD = $(sort $(shell grep -l '^model = ' models/hard/*.py))
 SCRIPTS = runtime/show/animation/page

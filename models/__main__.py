@@ -8,10 +8,10 @@ from rich.console import Console
 
 def machines() -> dict[str, str]:
     """Name of every machine → the first line of its file's docstring."""
-    found = {}
-    for path in sorted(Path(__file__).parent.glob("[!_]*.py")):
+    found, folder = {}, Path(__file__).parent
+    for path in (*sorted(folder.glob("[!_]*.py")), *sorted(folder.glob("space/[!_]*.py"))):
         text = ast.get_docstring(ast.parse(path.read_bytes())) or ""
-        found[path.stem] = text.partition("\n")[0]
+        found[path.relative_to(folder).with_suffix("").as_posix()] = text.partition("\n")[0]
     return found
 
 

@@ -18,8 +18,9 @@ import numpy as np
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
 
-from codegen.drawing.matplotlib_painter import PictureArtist
-from codegen.drawing.plane_geometry import pairs
+from codegen.drawing.matplotlib_painter import PictureArtist, SpaceArtist
+from codegen.drawing.picture import Picture, SpacePicture
+from codegen.drawing.plane_geometry import Points, pairs
 from codegen.drawing.styles import STYLES, Stroke, color_of
 from linkwright import Result
 from runtime.show.pictures import moving_picture
@@ -32,6 +33,7 @@ MOVING = DOCS / "gallery" / "pages" / "moving"
 SIZE = np.array([360.0, 270.0])  # width and height of the files, in pixels
 REACH = 0.7  # typical lengths of the machine that the view has beside its first instant
 FRAMES = 121  # instants, both ends included
+FRAMES_IN_SPACE = 41  # each has all its lines, since these change their order
 # First and last instant that are shown, s, and how long that takes, s; else the whole run in 6 s.
 SPANS = {
     "coil_spring": (0.0, 10.0, 5.0), "engine": (0.0, 0.206, 6.0), "four_bar": (0.0, 1.0, 3.0),
@@ -45,44 +47,15 @@ SPANS = {
 def drawing(result: Result, first: float, last: float, seconds: float) -> str:
     """A run as an SVG that moves; without its animations it shows the first instant."""
     picture = moving_picture(result.at(np.linspace(first, last, FRAMES)))
-    frames = [picture.instant(k) for k in range(FRAMES)]
-    artist = PictureArtist(frames[0], gaps=False)
+    step = (FRAMES - 1) // (FRAMES_IN_SPACE - 1) if isinstance(picture, SpacePicture) else 1
+    frames = [picture.instant(k) for k in range(0, FRAMES, step)]
+    artist: PictureArtist = (SpaceArtist if step > 1 else PictureArtist)(frames[0], gaps=False)
     bounds, reach = np.array([artist.bounds(one) for one in frames[::4]]), REACH * picture.size
     low = np.maximum(bounds[:, 0].min(axis=0), bounds[0, 0] - reach)
     high = np.minimum(bounds[:, 1].max(axis=0), bounds[0, 1] + reach)
     scale = float(np.min(SIZE / (high - low)))
-
-    def animation(of: str, values: Iterable[str], more: str = "") -> str:
-        rest = f'attributeName="{of}" dur="{seconds:g}s" repeatCount="indefinite"'
-        tag = "animateTransform" if more else "animate"
-        return f'<{tag} {rest}{more} values="{";".join(values)}"/>'
-
-    def path(column: tuple[Stroke, ...]) -> str:
-        own, style = column[0], STYLES[column[0].style]
-        fill, line = (color_of(name, own.body) or "none" for name in (style.fill, style.line))
-        dashes = " ".join(f"{style.width * x:.2f}" for x in style.dashes[1] or ())
-        moves = any(not np.array_equal(one.points, own.points) for one in column)
-        outlines = []
-        for one in column if moves else column[:1]:
-            points = (f"{x:.1f} {y:.1f}" for x, y in pairs(scale * np.conj(one.points)))
-            outlines.append(f"M{'L'.join(points)}{'Z' if one.closed else ''}")
-        return (
-            f'<path d="{outlines[0]}" fill="{fill}" stroke="{line}" stroke-width="{style.width}"'
-            f"{f' stroke-dasharray={dashes!r}' if dashes else ''}>"
-            f"{animation('d', outlines) if len({*outlines}) > 1 else ''}</path>"
-        )
-
-    parts = []
-    columns = zip(*(artist.strokes(frame) for frame in frames), strict=True)
-    for body, group in groupby(columns, key=lambda column: column[0].body):
-        x, y, phi = picture.poses[:, body].T
-        places = [f"{scale * a:.2f} {-scale * b:.2f}" for a, b in zip(x, y, strict=True)]
-        turns = [f"{angle:.2f}" for angle in -np.degrees(phi)]
-        parts.append(f'<g transform="translate({places[0]}) rotate({turns[0]})">')
-        if len({*zip(places, turns, strict=True)}) > 1:
-            parts.append(animation("transform", places, ' type="translate"'))
-            parts.append(animation("transform", turns, ' type="rotate" additive="sum"'))
-        parts += [*map(path, group), "</g>"]
+    draw = parts_in_space if step > 1 else parts_in_plane
+    parts = draw(artist, frames, scale, seconds)
     left, top = (low + high) / 2 * (1, -1) * scale - SIZE / 2
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{SIZE[0]:g}" height="{SIZE[1]:g}" '
@@ -91,12 +64,79 @@ def drawing(result: Result, first: float, last: float, seconds: float) -> str:
     )
 
 
+def outline(points: Points, scale: float, closed: bool) -> str:
+    """The data of a path."""
+    places = (f"{x:.1f} {y:.1f}" for x, y in pairs(scale * np.conj(points)))
+    return f"M{'L'.join(places)}{'Z' if closed else ''}"
+
+
+def path(own: Stroke, data: str, inside: str = "") -> str:
+    """A stroke as a path with an outline."""
+    style = STYLES[own.style]
+    fill, line = (color_of(name, own.body) or "none" for name in (style.fill, style.line))
+    dashes = " ".join(f"{style.width * x:.2f}" for x in style.dashes[1] or ())
+    return (
+        f'<path d="{data}" fill="{fill}" stroke="{line}" stroke-width="{style.width}"'
+        f"{f' stroke-dasharray={dashes!r}' if dashes else ''}>{inside}</path>"
+    )
+
+
+def parts_in_space(
+    artist: PictureArtist, frames: list[Picture], scale: float, seconds: float
+) -> list[str]:
+    """A group for each instant, of which one is visible at a time."""
+    parts = []
+    for k, frame in enumerate(frames):
+        until = (k + 1) / len(frames)
+        shown = ("none;inline;none", f"0;{k / len(frames):.4f};{until:.4f}")
+        values, times = shown if k else ("inline;none", f"0;{until:.4f}")
+        lines = (path(one, outline(one.points, scale, one.closed)) for one in artist.strokes(frame))
+        parts.append(
+            f'<g display="{"none" if k else "inline"}"><animate attributeName="display" '
+            f'dur="{seconds:g}s" repeatCount="indefinite" calcMode="discrete" values="{values}" '
+            f'keyTimes="{times}"/>{"".join(lines)}</g>'
+        )
+    return parts
+
+
+def parts_in_plane(
+    artist: PictureArtist, frames: list[Picture], scale: float, seconds: float
+) -> list[str]:
+    """A group for each body, which moves with its lines."""
+
+    def animation(of: str, values: Iterable[str], more: str = "") -> str:
+        rest = f'attributeName="{of}" dur="{seconds:g}s" repeatCount="indefinite"'
+        tag = "animateTransform" if more else "animate"
+        return f'<{tag} {rest}{more} values="{";".join(values)}"/>'
+
+    def moving(column: tuple[Stroke, ...]) -> str:
+        own = column[0]
+        moves = any(not np.array_equal(one.points, own.points) for one in column)
+        shown = column if moves else column[:1]
+        outlines = [outline(one.points, scale, one.closed) for one in shown]
+        return path(own, outlines[0], animation("d", outlines) if len({*outlines}) > 1 else "")
+
+    parts = []
+    poses = np.array([frame.poses for frame in frames])
+    columns = zip(*(artist.strokes(frame) for frame in frames), strict=True)
+    for body, group in groupby(columns, key=lambda column: column[0].body):
+        x, y, phi = poses[:, body].T
+        places = [f"{scale * a:.2f} {-scale * b:.2f}" for a, b in zip(x, y, strict=True)]
+        turns = [f"{angle:.2f}" for angle in -np.degrees(phi)]
+        parts.append(f'<g transform="translate({places[0]}) rotate({turns[0]})">')
+        if len({*zip(places, turns, strict=True)}) > 1:
+            parts.append(animation("transform", places, ' type="translate"'))
+            parts.append(animation("transform", turns, ' type="rotate" additive="sum"'))
+        parts += [*map(moving, group), "</g>"]
+    return parts
+
+
 def save(name: str, result: Result) -> None:
     """Write the two files of a machine."""
     MOVING.mkdir(parents=True, exist_ok=True)
     drawn = drawing(result, *SPANS.get(name, (float(result.t[0]), float(result.t[-1]), 6.0)))
     (MOVING / f"{name}.svg").write_text(drawn, encoding="utf-8")
-    still = re.sub("<animate[^>]*>", "", drawn)
+    still = re.sub('<g display="none">.*?</g>|<animate[^>]*>', "", drawn)
     (MOVING / f"{name}-still.svg").write_text(still, encoding="utf-8")
 
 

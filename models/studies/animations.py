@@ -32,6 +32,19 @@ MACHINES = {
     "valve_lifter": Shown("free_follower", 0.1),
     "watt_six_bar": Shown("constant_torque", 2.0),
     "web_cutter": Shown("running", 4.0),
+    "space/bricard": Shown("fall", 4.0),
+    "space/double_wishbone": Shown("guided", 1.0),
+    "space/flyball_governor": Shown("run", 10.0),
+    "space/governor": Shown("run", 10.0),
+    "space/gyroscope": Shown("precession", 3.0),
+    "space/heavy_top": Shown("spin", 3.0),
+    "space/scara": Shown("inverse_dynamics", 2.0),
+    "space/six_revolute_arm": Shown("inverse_dynamics", 2.0),
+    "space/spatial_four_bar": Shown("inverse_dynamics", 2.0),
+    "space/spatial_slider_crank": Shown("free", 2.0),
+    "space/stewart_platform": Shown("legs", 2.0),
+    "space/swash_plate_compressor": Shown("kinematics", 0.2),
+    "space/universal_joint": Shown("driven", 6.2832),
 }
 """Machine → what its page shows."""
 
@@ -40,7 +53,8 @@ def runs(machine: str) -> list[Result]:
     """The runs of a machine's page."""
     shown = MACHINES[machine]
     loaded = load(machine, shown.scene)
-    return [loaded.simulate(shown.t_end, parameters=values) for values in shown.parameters]
+    run = loaded.kinematics if shown.scene == "kinematics" else loaded.simulate
+    return [run(shown.t_end, parameters=values) for values in shown.parameters]
 
 
 def write_pages(
@@ -50,4 +64,4 @@ def write_pages(
     folder.mkdir(parents=True, exist_ok=True)
     for machine in machines:
         progress(f"animating {machine}")
-        yield animate(runs(machine)).save(folder / f"{machine}.html")
+        yield animate(runs(machine)).save(folder / f"{Path(machine).name}.html")

@@ -14,6 +14,7 @@ import linkwright
 from codegen.files.generated_modules import companion_path
 from codegen.generated_files.companions import COMPANIONS
 from codegen.model.space_model import REFUSED
+from models.__main__ import machines
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 DOCS = ROOT / "docs"
@@ -77,12 +78,10 @@ def test_every_way_to_declare_something_is_documented() -> None:
     assert methods - listed == internal & methods
 
 
-@pytest.mark.parametrize(
-    "machine", sorted((ROOT / "models").glob("[a-z]*.py")), ids=lambda p: p.stem
-)
-def test_every_machine_has_a_page(machine: Path) -> None:
-    script = DOCS / "gallery" / "machines" / f"plot_{machine.stem}.py"
-    assert f'lw.load("{machine.stem}"' in script.read_text(encoding="utf-8")
+@pytest.mark.parametrize("machine", machines())
+def test_every_machine_has_a_page(machine: str) -> None:
+    script = DOCS / "gallery" / "machines" / f"plot_{Path(machine).name}.py"
+    assert f'lw.load("{machine}"' in script.read_text(encoding="utf-8")
 
 
 def test_every_machine_is_in_a_group_of_the_gallery() -> None:
@@ -125,6 +124,27 @@ def test_a_machine_in_motion_is_a_picture_in_xml(
     assert max(abs(last - first) for first, last in ends) == pytest.approx(360, abs=0.02)  # crank
     assert not still.findall(".//*[@attributeName]")
     assert len(list(still.iter("{*}path"))) == len(list(moving.iter("{*}path")))
+
+
+def test_a_machine_in_space_moves_by_one_picture_after_the_other(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    pytest.importorskip("sphinx")
+    monkeypatch.syspath_prepend(DOCS / "_extensions")
+    import moving_pictures
+
+    monkeypatch.setattr(moving_pictures, "MOVING", tmp_path)
+    run = linkwright.load("space/stewart_platform", scene="legs").kinematics(1.0)
+    moving_pictures.save("stewart_platform", run)
+    files = (tmp_path / f"stewart_platform{ending}.svg" for ending in ("", "-still"))
+    moving, still = map(ElementTree.parse, files)
+    groups = moving.findall("{*}g")
+    assert len(groups) == moving_pictures.FRAMES_IN_SPACE
+    assert [one.attrib["display"] for one in groups] == ["inline"] + ["none"] * (len(groups) - 1)
+    paths = [[path.attrib["d"] for path in one.iter("{*}path")] for one in groups]
+    assert [path.attrib["d"] for path in still.iter("{*}path")] == paths[0]
+    assert paths[0] != paths[1]
+    assert not still.findall(".//*[@attributeName]")
 
 
 def test_tables_of_commands_are_the_output_of_cells() -> None:
