@@ -33,7 +33,8 @@ MOVING = DOCS / "gallery" / "pages" / "moving"
 SIZE = np.array([360.0, 270.0])  # width and height of the files, in pixels
 REACH = 0.7  # typical lengths of the machine that the view has beside its first instant
 FRAMES = 121  # instants, both ends included
-FRAMES_IN_SPACE = 41  # each has all its lines, since these change their order
+FRAMES_IN_SPACE = 31  # each has all its lines, since these change their order
+ROUND = 24  # points of a closed line in space, of which more are thinned
 # First and last instant that are shown, s, and how long that takes, s; else the whole run in 6 s.
 SPANS = {
     "coil_spring": (0.0, 10.0, 5.0), "engine": (0.0, 0.206, 6.0), "four_bar": (0.0, 1.0, 3.0),
@@ -70,10 +71,11 @@ def outline(points: Points, scale: float, closed: bool) -> str:
     return f"M{'L'.join(places)}{'Z' if closed else ''}"
 
 
-def path(own: Stroke, data: str, inside: str = "") -> str:
-    """A stroke as a path with an outline."""
+def path(own: Stroke, data: str, inside: str = "", filled: str = "") -> str:
+    """A stroke as a path with an outline, filled as its style says or otherwise."""
     style = STYLES[own.style]
-    fill, line = (color_of(name, own.body) or "none" for name in (style.fill, style.line))
+    names = filled or style.fill, style.line
+    fill, line = (color_of(name, own.body) or "none" for name in names)
     dashes = " ".join(f"{style.width * x:.2f}" for x in style.dashes[1] or ())
     return (
         f'<path d="{data}" fill="{fill}" stroke="{line}" stroke-width="{style.width}"'
@@ -90,7 +92,12 @@ def parts_in_space(
         until = (k + 1) / len(frames)
         shown = ("none;inline;none", f"0;{k / len(frames):.4f};{until:.4f}")
         values, times = shown if k else ("inline;none", f"0;{until:.4f}")
-        lines = (path(one, outline(one.points, scale, one.closed)) for one in artist.strokes(frame))
+        lines = []
+        for one in artist.strokes(frame):
+            if one.style != "inside":  # the edge has it
+                thin = 1 + len(one.points) // ROUND if one.closed else 1
+                data = outline(one.points[::thin], scale, one.closed)
+                lines.append(path(one, data, filled="fill" if one.style == "edge" else ""))
         parts.append(
             f'<g display="{"none" if k else "inline"}"><animate attributeName="display" '
             f'dur="{seconds:g}s" repeatCount="indefinite" calcMode="discrete" values="{values}" '

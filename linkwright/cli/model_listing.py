@@ -10,7 +10,7 @@ from codegen.files.model_text import ModelText, plain, read_model_text
 from codegen.readers.values import one_line, shown
 from linkwright.cli.output import write_line
 
-LIBRARY = "the library"
+LIBRARY, IN_SPACE = "the library", "the library, in space"
 
 
 def models_in(folder: Path) -> list[ModelText]:
@@ -22,9 +22,10 @@ def models_in(folder: Path) -> list[ModelText]:
 def found_models(folder: Path | None) -> dict[str, list[ModelText]]:
     """Title → models of a folder, or of all where commands look for them: here, the library's."""
     here, library = Path.cwd(), models_folder()
-    places = {"this folder": here, "models": here / "models"}
-    if library is not None and library.resolve() not in (here.resolve(), here / "models"):
-        places[LIBRARY] = library
+    own = here / "models"
+    places = {"this folder": here, "models": own, "models/space": own / "space"}
+    if library is not None and library.resolve() not in (here.resolve(), own):
+        places |= {LIBRARY: library, IN_SPACE: library / "space"}
     if folder is not None:
         if not os.path.isdir(folder):  # noqa: PTH112 (nor is a name that is too long)
             raise InputError(
@@ -64,7 +65,8 @@ def show(found: dict[str, list[ModelText]]) -> None:
         table.add_column(no_wrap=True)
         table.add_column(ratio=1)
         for text in texts:
-            name = text.path.stem if title == LIBRARY else text.path.name
+            stem, name = text.path.stem, text.path.name
+            name = {LIBRARY: stem, IN_SPACE: f"space/{stem}"}.get(title, name)
             table.add_row(Text(f"  {name}", "bold"), Text(plain(text.summary)))
             for scene, line in text.scenes.items():
                 table.add_row(Text(f"    {scene}"), Text(plain(line), "dim"))

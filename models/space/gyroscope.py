@@ -36,9 +36,9 @@ inner = model.body("inner", 0.4, (1e-3, 1.5e-3, 1.2e-3))
 rotor = model.body("rotor", 1.0, (2e-3, 1.2e-3, 1.2e-3))
 load = model.body("load", weight, (2e-5, 2e-5, 2e-5), at=(0.2, 0, 0))
 
-turning = model.revolute("turning", model.ground, outer, at=(0, 0, 0), axis=(0, 0, 1))
-tilting = model.revolute("tilting", outer, inner, at=(0, 0, 0), axis=(0, 1, 0))
-spinning = model.revolute("spinning", inner, rotor, at=(0, 0, 0), axis=(1, 0, 0))
+turning = model.revolute("turning", model.ground, outer, at=(0, 0, -0.14), axis=(0, 0, 1))
+tilting = model.revolute("tilting", outer, inner, at=(0, -0.11, 0), axis=(0, 1, 0))
+spinning = model.revolute("spinning", inner, rotor, at=(-0.08, 0, 0), axis=(1, 0, 0))
 model.weld("nut", inner, load, at=(0.2, 0, 0))
 
 model.scene("precession", ["gravity"],

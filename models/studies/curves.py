@@ -18,5 +18,6 @@ def over_time(title: str, unit: str, curves: Mapping[str, tuple[Any, Any]]) -> F
         axes.plot(t, values, style, color=colour, label=label)
         axes.set_xlim(t[0], t[-1])
     axes.set(title=title, xlabel="t, s", ylabel=unit)
-    axes.legend(ncols=3, loc="upper center", bbox_to_anchor=(0.5, -0.18))
+    if len(curves) > 1:
+        axes.legend(ncols=3, loc="upper center", bbox_to_anchor=(0.5, -0.18))
     return figure

@@ -127,6 +127,7 @@ def test_list_has_this_folder_and_the_library(folder: Path) -> None:
     done = run("list")
     assert done.stdout.startswith("this folder\n  swing.py ")
     assert "the library\n  coil_spring " in done.stdout
+    assert "the library, in space\n  space/bricard " in done.stdout
     assert "slider-crank compressor of Haug, Computer-Aided Kinematics" in " ".join(
         done.stdout.split()
     )

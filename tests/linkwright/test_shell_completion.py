@@ -114,7 +114,7 @@ def test_in_a_process_of_its_own(folder: Path) -> None:
 
 def test_the_library_is_read_as_it_runs(root: Path) -> None:
     """Scenes and parameters of every model of the library are in its text or its docstring."""
-    texts = models_in(root / "models")
+    texts = models_in(root / "models") + models_in(root / "models" / "space")
     assert len(texts) > 10
     for text in texts[::3]:
         model = read_model(text.path).model

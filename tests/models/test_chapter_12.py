@@ -1,5 +1,6 @@
 """The machines of Haug's chapter 12 against closed forms, energy and virtual work."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -7,10 +8,13 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
+from models.studies import chapter
+from models.studies.drawing import draw
 from runtime import Outcome, load
 from tests.models.driven_in_space import four_bar, slider_crank, torque
 from tests.space.closed_forms import FlyballGovernor, SpatialSliderCrank, SwashPlate
 
+STUDIES = [study for study in chapter.STUDIES if study.machine.startswith("space/")]
 TURN = 2 * np.pi
 INSTANTS = (0.07, 0.31, 0.62, 0.88)  # shares of a turn at which energies are compared
 
@@ -160,3 +164,19 @@ def test_the_oscillation_of_the_governor_grows_where_its_eigenvalues_say(
     run = governed(gain, 30.0)
     early, late = (np.ptp(run.v("spindle.omega_y")[k : k + 14]) for k in (40, 85))
     assert bool(late > early) is grows
+
+
+@pytest.mark.parametrize("study", STUDIES, ids=lambda study: study.name)
+def test_ours_is_the_exact_value_and_what_differs_from_the_book_says_why(
+    study: chapter.Study, tmp_path: Path
+) -> None:
+    for row in study.table():
+        assert abs(row.ours - row.exact) < 1e-8 * max(1.0, abs(row.exact)), row
+        if row.book is not None:
+            last = len(f"{row.book:g}".partition(".")[2])
+            if abs(row.exact - row.book) > 0.6 * 10.0**-last:
+                assert row.reason, row
+    drawn = [path.stem for path in draw(study.figures(), tmp_path) if path.suffix == ".png"]
+    section = study.title.rpartition(" ")[2].replace(".", "_")
+    assert len(drawn) > 1
+    assert all(name.startswith(f"figure_{section}_") for name in drawn)
