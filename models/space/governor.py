@@ -14,11 +14,12 @@ lift a collar, and the engine gives the less torque, the higher the collar is:
                |  spindle
 
 A spring and a damper act between the hinge and the collar. The engine exerts C Δl on the spindle,
-with the shortening Δl = (0.2 - y) - 0.15 of the spring; a load of 25 N m comes on between 1 and 2 s.
+with the shortening Δl = (0.2 - y) - 0.15 of the spring; a load of 25 N m comes on between 1 and
+2 s.
 
 All numbers agree with the book's: masses, moments, the spindle's 11.0174 rad/s at the start, and
-gains of 7500, 12500 and 17500 N. With the third the oscillation grows; with the second it does, too,
-so slowly that the ten seconds of the book do not show it.
+gains of 7500, 12500 and 17500 N. With the third the oscillation grows; with the second it does,
+too, so slowly that the ten seconds of the book do not show it.
 
 Scenes
 ------

@@ -13,8 +13,8 @@
 
 The rotor turns in the inner ring about x', the inner ring in the outer one about y', the outer one
 in the frame about z. All three are balanced, but for a weight at 0.2 m on the axis of the inner
-ring. With the axis level, the rings do not disturb the steady precession Ω = m g l / (J ω), with J ω
-the rotor's angular momentum about its axis.
+ring. With the axis level, the rings do not disturb the steady precession Ω = m g l / (J ω), with
+J ω the rotor's angular momentum about its axis.
 
 Dimensions and masses are those of no machine in particular (C).
 

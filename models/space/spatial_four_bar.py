@@ -35,13 +35,13 @@ model = Model("spatial_four_bar", space=True, gravity=(0, 0, -9.81))
 speed = model.parameter("speed", float(pi), unit="rad/s")
 
 # Bodies at the drawing, with their centres of mass at their origins; y' is along link and rocker.
-B, C, D = (0, 0, 2), (-7.491, -8.5, 6.525), (-4, -8.5, 0)
+B, D = (0, 0, 2), (-4, -8.5, 0)
+BC, DC = (-7.491, -8.5, 4.525), (-3.491, 0, 6.525)
 cross = (0.75, -0.662, 0)  # the axis of the universal joint on the wheel
 wheel = model.body("wheel", 2.0, (4.0, 2.0, 2.0))
-link = model.body("link", 1.0, (12.4, 0.01, 12.4), at=[(b + c) / 2 for b, c in zip(B, C)],
-                  axes=(cross, [c - b for b, c in zip(B, C)]))  # fmt: skip
-rocker = model.body("rocker", 1.0, (4.54, 0.01, 4.54), at=[(c + d) / 2 for c, d in zip(C, D)],
-                    axes=((0, 1, 0), [c - d for c, d in zip(C, D)]))  # fmt: skip
+link = model.body("link", 1.0, (12.4, 0.01, 12.4), at=(-3.7455, -4.25, 4.2625), axes=(cross, BC))
+rocker = model.body("rocker", 1.0, (4.54, 0.01, 4.54), at=(-5.7455, -8.5, 3.2625),
+                    axes=((0, 1, 0), DC))  # fmt: skip
 pin, tip = wheel.at(*B), rocker.at(0, 3.7, 0)
 
 hinge = model.revolute("A", model.ground, wheel, at=(0, 0, 0), axis=(1, 0, 0))

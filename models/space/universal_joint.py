@@ -5,9 +5,9 @@
       o-------------[+]-`      β
       first shaft, along x
 
-While the first shaft turns evenly, the second turns at ω₁ cos β / (1 - sin² β cos² θ), up to 1 / cos
-β times as fast. Each shaft lies in a hinge, so that three of the rows follow from others: they are
-left out, and the reactions that share a load are those of least norm.
+While the first shaft turns evenly, the second turns at ω₁ cos β / (1 - sin² β cos² θ), up to
+1 / cos β times as fast. Each shaft lies in a hinge, so that three of the rows follow from others:
+they are left out, and the reactions that share a load are those of least norm.
 
 `universal_joint(bend)` declares the machine with any angle, rad; the file's own has 0.5 rad.
 

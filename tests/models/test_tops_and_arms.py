@@ -147,7 +147,7 @@ def turned(place: Any, hinge: Any, axis: Any, angle: float) -> Any:
 
 
 def suspension(height: float, steered: float) -> Any:
-    """The rotation of the upright by the lengths alone, for the wheel's height and the rack's place.
+    """The rotation of the upright by lengths alone, for a height of the wheel and the rack's place.
 
     Unknowns are the angles of the wishbones and a rotation vector of the upright.
     """
@@ -160,7 +160,7 @@ def suspension(height: float, steered: float) -> Any:
         lower = turned(low, (-0.02, 0.35, 0.21), (0.35, 0, -0.02), y[0])
         upper = turned(up, (-0.02, 0.42, 0.47), (0.27, 0, 0.02), y[1])
         A = Rotation.from_rotvec(y[2:])
-        arm = lower + A.apply(tie - low) - (rack + [0, steered, 0])
+        arm = lower + A.apply(tie - low) - (rack + steered * Y)
         reached = lower + A.apply(up - low) - upper
         rod = arm @ arm - (tie - rack) @ (tie - rack)
         return [*reached, rod, (lower + A.apply(wheel - low))[2] - height]
@@ -185,9 +185,7 @@ def test_camber_and_toe_of_the_wishbones_follow_from_their_lengths() -> None:
 def test_what_lifts_the_wheel_goes_into_energy_and_damper() -> None:
     machine = load("space/double_wishbone", "guided")
     h, middle = 1e-4, np.arange(0.05, 1.0, 0.1)
-    run = machine.inverse_dynamics(
-        (middle[:, None] + h * np.arange(-2, 3)).ravel(), progress=False
-    )
+    run = machine.inverse_dynamics((middle[:, None] + h * np.arange(-2, 3)).ravel(), progress=False)
     place = np.transpose([run.q(f"lower.{c}") for c in "xyz"])
     foot = place + run.rotation("lower") @ [0.01, 0.04, 0.0]
     length = np.linalg.norm(foot - [0.0, 0.48, 0.62], axis=1)

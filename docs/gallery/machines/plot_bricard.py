@@ -7,7 +7,9 @@ its rows follows from the others.
 """
 
 # %%
-# Declared in :download:`bricard.py <../../../models/space/bricard.py>`; at its start:
+# Declared in
+# :download:`bricard.py <../../../models/space/bricard.py>`;
+# at its start:
 
 import linkwright as lw
 

@@ -7,7 +7,9 @@ steered.
 """
 
 # %%
-# Declared in :download:`double_wishbone.py <../../../models/space/double_wishbone.py>`; at its start:
+# Declared in
+# :download:`double_wishbone.py <../../../models/space/double_wishbone.py>`;
+# at its start:
 
 import linkwright as lw
 

@@ -7,7 +7,9 @@ turns.
 """
 
 # %%
-# Declared in :download:`flyball_governor.py <../../../models/space/flyball_governor.py>`; at its start:
+# Declared in
+# :download:`flyball_governor.py <../../../models/space/flyball_governor.py>`;
+# at its start:
 
 import linkwright as lw
 

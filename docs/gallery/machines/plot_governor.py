@@ -7,7 +7,9 @@ torque, the higher the collar is.
 """
 
 # %%
-# Declared in :download:`governor.py <../../../models/space/governor.py>`; at its start:
+# Declared in
+# :download:`governor.py <../../../models/space/governor.py>`;
+# at its start:
 
 from gallery_parts import BesideTheBook, figures_of_the_book
 

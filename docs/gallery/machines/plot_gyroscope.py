@@ -6,7 +6,9 @@ A rotor in two gimbals, with a weight on its axis: it nods and precesses about t
 """
 
 # %%
-# Declared in :download:`gyroscope.py <../../../models/space/gyroscope.py>`; at its start:
+# Declared in
+# :download:`gyroscope.py <../../../models/space/gyroscope.py>`;
+# at its start:
 
 import linkwright as lw
 

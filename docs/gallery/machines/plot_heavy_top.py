@@ -6,7 +6,9 @@ A top on a fixed point, whose axis lies level at the start: it nutates and prece
 """
 
 # %%
-# Declared in :download:`heavy_top.py <../../../models/space/heavy_top.py>`; at its start:
+# Declared in
+# :download:`heavy_top.py <../../../models/space/heavy_top.py>`;
+# at its start:
 
 import linkwright as lw
 

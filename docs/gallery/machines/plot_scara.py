@@ -6,7 +6,9 @@ Two hinges with upright axes and a quill that slides and turns, from one place t
 """
 
 # %%
-# Declared in :download:`scara.py <../../../models/space/scara.py>`; at its start:
+# Declared in
+# :download:`scara.py <../../../models/space/scara.py>`;
+# at its start:
 
 import linkwright as lw
 

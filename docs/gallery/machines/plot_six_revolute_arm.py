@@ -6,7 +6,9 @@ A robot arm along a smooth motion, with the torques of its six motors.
 """
 
 # %%
-# Declared in :download:`six_revolute_arm.py <../../../models/space/six_revolute_arm.py>`; at its start:
+# Declared in
+# :download:`six_revolute_arm.py <../../../models/space/six_revolute_arm.py>`;
+# at its start:
 
 import linkwright as lw
 

@@ -7,7 +7,9 @@ link.
 """
 
 # %%
-# Declared in :download:`spatial_four_bar.py <../../../models/space/spatial_four_bar.py>`; at its start:
+# Declared in
+# :download:`spatial_four_bar.py <../../../models/space/spatial_four_bar.py>`;
+# at its start:
 
 from gallery_parts import BesideTheBook, figures_of_the_book
 

@@ -7,7 +7,9 @@ rod with a ball joint and a cross.
 """
 
 # %%
-# Declared in :download:`spatial_slider_crank.py <../../../models/space/spatial_slider_crank.py>`; at its start:
+# Declared in
+# :download:`spatial_slider_crank.py <../../../models/space/spatial_slider_crank.py>`;
+# at its start:
 
 from gallery_parts import BesideTheBook, figures_of_the_book
 

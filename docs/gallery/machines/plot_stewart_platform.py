@@ -7,7 +7,9 @@ the legs.
 """
 
 # %%
-# Declared in :download:`stewart_platform.py <../../../models/space/stewart_platform.py>`; at its start:
+# Declared in
+# :download:`stewart_platform.py <../../../models/space/stewart_platform.py>`;
+# at its start:
 
 import linkwright as lw
 

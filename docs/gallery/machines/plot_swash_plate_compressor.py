@@ -7,7 +7,9 @@ parallel to it.
 """
 
 # %%
-# Declared in :download:`swash_plate_compressor.py <../../../models/space/swash_plate_compressor.py>`; at its start:
+# Declared in
+# :download:`swash_plate_compressor.py <../../../models/space/swash_plate_compressor.py>`;
+# at its start:
 
 from gallery_parts import BesideTheBook, figures_of_the_book
 

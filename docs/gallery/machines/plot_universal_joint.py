@@ -6,7 +6,9 @@ Two shafts that meet at an angle: the first turns evenly, the second faster and 
 """
 
 # %%
-# Declared in :download:`universal_joint.py <../../../models/space/universal_joint.py>`; at its start:
+# Declared in
+# :download:`universal_joint.py <../../../models/space/universal_joint.py>`;
+# at its start:
 
 import linkwright as lw
 
