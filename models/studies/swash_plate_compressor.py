@@ -38,8 +38,10 @@ def table() -> list[Row]:
         run, where = driven(tilt), f"12.4, α = {tilt}°"
         reason = TOO_LONG if tilt == 40 else PLOT
         ours = float(np.diff(extremes(run.q("piston_1.z")))[0])
-        rows.append(Row(where, "stroke, m", ours, 0.4 * sin(radians(tilt)), stroke,
+        rows.append(Row(where, "stroke of piston 1, m", ours, 0.4 * sin(radians(tilt)), stroke,
                         "" if tilt == 30 else reason))  # fmt: skip
         ours = max(abs(one) for one in extremes(run.a("piston_1.z")))
-        rows.append(Row(where, "largest acceleration, m/s²", ours, exact, fastest, reason))
+        rows.append(
+            Row(where, "largest acceleration of piston 1, m/s²", ours, exact, fastest, reason)
+        )
     return rows

@@ -103,10 +103,9 @@ def test_a_symmetric_top_precesses_steadily(workshop: Path) -> None:
     ],
 )
 def test_the_driven_slider_crank_of_the_book(
-    length: float, reach: tuple[float, float], fastest: float, torque: tuple[float, float],
-    workshop: Path,
-) -> None:  # fmt: skip
-    """Haug 12.2: x and ẍ in closed form, the torque by the power of an equation with the time.
+    length: float, reach: tuple[float, float], fastest: float, torque: tuple[float, float]
+) -> None:
+    """Haug 12.2: x and ẍ in closed form, the torque by the power of the driver.
 
     The torques are differences of T + V of the rod and the slider, found apart from this program.
     """
