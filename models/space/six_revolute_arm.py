@@ -17,8 +17,6 @@ Scenes
 ------
 inverse_dynamics
     The torques of the motors along the motion.
-fall
-    The motors are off, and the arm falls from its drawing.
 """
 
 from sympy import pi, sin
@@ -42,13 +40,11 @@ LINKS = {
     "tool": ((0.92, 0.06, 0.6), X, 0.5 + payload, (1.0, 0.06, 0.58), (4e-3, 5e-3, 4e-3), -2.0),
 }
 
-before, resting = model.ground, {}
+before = model.ground
 for k, (name, (hinge, axis, mass, centre, moments, amplitude)) in enumerate(LINKS.items(), 1):
     link = model.body(name, mass, moments, at=centre)
     joint = model.revolute(f"J{k}", before, link, at=hinge, axis=axis)
     model.rotation_driver(f"motor_{k}", joint, amplitude * sin(speed * t) ** 2)
-    resting |= {joint.angle: 0.0, joint.rate: 0.0}
     before = link
 
 model.scene("inverse_dynamics", ["gravity"], [f"motor_{k}" for k in range(1, 7)])
-model.scene("fall", ["gravity"], start=resting)

@@ -13,7 +13,7 @@ from runtime import Result, load
 
 SCENES = {1: "inverse_dynamics", 2: "inverse_dynamics_without_link"}
 PLOT = "read from a plot"
-PEAKS = {"first peak": 0.535, "hollow": 0.91, "second peak": 1.523}
+PEAKS = {"first peak": 0.535, "trough": 0.91, "second peak": 1.523}
 # Model → exact torque at each of these, and the book's.
 TORQUES = {
     1: ((183.704420159, 180.0), (-105.101844828, -100.0), (190.702824210, 190.0)),

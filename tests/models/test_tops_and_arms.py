@@ -286,10 +286,3 @@ def test_motors_of_the_scara_exert_what_the_recursion_says() -> None:
         words = ("torque", "torque", "force", "torque")
         found = [run.reaction(f"motor_{j}", w)[k] for j, w in enumerate(words, 1)]
         assert_allclose(found, exact, rtol=0.0, atol=1e-10)
-
-
-def test_an_arm_without_motors_falls_with_its_energy() -> None:
-    run = load("space/six_revolute_arm", "fall").simulate(0.5, 11, rtol=1e-10, progress=False)
-    assert run.outcome is Outcome.OK
-    assert np.ptp(run.energy()) < 1e-6
-    assert run.q("J2.angle")[-1] > 0.5
