@@ -129,7 +129,8 @@ def figure(kind: str) -> Any:
 def show(_: "Sphinx", page: str, source: list[str]) -> None:
     """Draw the picture of an element, and put it below the first sentence of its page."""
     folder, _, name = page.rpartition("/")
-    drawn = figure(find_kind(name)) if folder == "elements" and name != "index" else None
+    is_kind = folder == "elements" and name not in ("index", "in-space")
+    drawn = figure(find_kind(name)) if is_kind else None
     if drawn is not None:
         PICTURES.mkdir(exist_ok=True)
         save_figure(drawn, PICTURES / f"{name}.svg")
