@@ -59,7 +59,7 @@ class SpaceEffects(Model):
         angle decreases as the other grows; `offset`, rad, is the angle of `j` where that of `i` is
         0.
         """
-        return self._teeth(GearInSpace, name, (i, j), ratio, offset)
+        return self._teeth(GearInSpace, name, (i, j), {"ratio": ratio, "offset": offset})
 
     def rack_and_pinion(  # type: ignore[override]
         self, name: str, pinion: Constraint, rack: Constraint, radius: Any, offset: Any = 0
@@ -69,15 +69,13 @@ class SpaceEffects(Model):
         These are joints. `radius`, m, is negative where the slide decreases as the angle grows;
         `offset`, m, is the slide where the angle is 0.
         """
-        return self._teeth(RackInSpace, name, (pinion, rack), radius, offset)
+        return self._teeth(RackInSpace, name, (pinion, rack), {"radius": radius, "offset": offset})
 
-    def _teeth(
-        self, cls: type[Any], name: str, pair: tuple[Any, Any], ratio: Any, offset: Any
-    ) -> Constraint:
-        angle, driven = (self._of_joint(name, pair[k], ("angle", cls.letter)[k]) for k in range(2))
-        teeth: Constraint = self._element(
-            cls, name=name, angle=angle, driven=driven, ratio=ratio, offset=offset
-        )
+    def _teeth(self, cls: type[Any], name: str, pair: Any, given: dict[str, Any]) -> Constraint:
+        renamed = {"ratio": next(iter(given))}
+        rows = zip(("angle", "driven"), pair, ("angle", cls.letter), strict=True)
+        given |= {word: self._of_joint(name, joint, letter) for word, joint, letter in rows}
+        teeth: Constraint = self._element(cls, renamed, name=name, **given)
         return self._declare(teeth)
 
     def torsion_spring(  # type: ignore[override]

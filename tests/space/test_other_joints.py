@@ -86,7 +86,7 @@ def transmissions() -> Any:
     model.generalized_force("motor", {a.angle: TORQUE})
     rack = model.body("rack", MASS, inertia, at=(2.2, 3, 0))
     guide = model.translational("guide", ground, rack, at=(2.2, 3, 0), axis=Z)
-    model.rack_and_pinion("teeth", c, guide, RADIUS)
+    model.rack_and_pinion("teeth", c, guide, f"{1e3 * RADIUS} mm")
     model.scene("run", ["gravity", "motor"], ["feed"], outputs=["default", free.slide, fed.slide])
     return model
 
@@ -138,6 +138,12 @@ MISTAKES: dict[str, tuple[Callable[[Any, Any, Any], Any], str]] = {
     "rack of a hinge": (
         lambda m, a, b: m.rack_and_pinion("G", m.joints["hinge"], m.joints["hinge"], 0.1),
         "revolute in space 'hinge' has no slide; joints that turn about an axis have an angle,",
+    ),
+    "radius of a rack as an angle": (
+        lambda m, a, b: m.rack_and_pinion(
+            "G", m.joints["hinge"], m.strut("S", a, b, at=X, axis=X), "5 deg"
+        ),
+        "radius of rack in space 'G': 5 degree has the dimension dimensionless, but m is needed",
     ),
     "gear of bodies": (
         lambda m, a, b: m.gear("G", a, b, 2),

@@ -51,3 +51,4 @@ class RackInSpace(Teeth):
 
     kind = "rack in space"
     letter = "slide"
+    ratio: sympy.Expr = quantity("m")
