@@ -103,8 +103,8 @@ class ScaledConstraints:
         squares = np.zeros(self.m)
         away = 0.3 * sizes * np.random.default_rng(2).normal(size=(2, self.scale.size))
         for pose in (q + away) if drivers.any() else ():
-            slopes = np.nan_to_num(self.entries(t, pose, 0.0)[: self.rows.size], posinf=0.0)
-            squares = np.maximum(squares, np.bincount(self.rows, slopes**2, minlength=self.m))
+            found = np.nan_to_num(self.entries(t, pose, 0.0)[: self.rows.size] ** 2, posinf=0.0)
+            squares = np.maximum(squares, np.bincount(self.rows, found, minlength=self.m))
         least: Vector = SHORTEST * np.sqrt(squares) * drivers
         return least
 

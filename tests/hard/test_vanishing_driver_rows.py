@@ -6,6 +6,7 @@ import sympy as sp
 
 import linkwright as lw
 from linkwright import AnalysisError, Machine, Model, Outcome
+from runtime.singularity.scaled_constraints import SHORTEST, ScaledConstraints
 
 
 @pytest.fixture(scope="module")
@@ -129,3 +130,16 @@ def test_simulation_passes_a_vanishing_row_or_names_it(
             assert run.outcome is Outcome.SINGULAR
             assert run.t[-1] == pytest.approx(-off / 2.0, abs=1e-3)
             assert "driver d.motion" in run.message
+
+
+def test_slopes_without_bound_say_nothing_of_the_length_of_a_row() -> None:
+    def jacobian(_t: float, _q: np.ndarray, _p: np.ndarray, slopes: np.ndarray) -> None:
+        slopes[:] = -np.inf, 3.0, np.nan, np.inf, 4.0
+
+    rows, columns = np.array([0, 0, 1, 1, 1]), np.array([0, 1, 0, 1, 2])
+    constraints = ScaledConstraints(
+        lambda *_: None, jacobian, lambda *_: None, rows, columns, np.zeros(0), np.ones(3),
+        np.arange(2), 2,
+    )  # fmt: skip
+    lengths = constraints.least_lengths(0.0, np.zeros(3), np.ones(3), np.array([True, True]))
+    assert lengths == pytest.approx(SHORTEST * np.array([3.0, 4.0]))
