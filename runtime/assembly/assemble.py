@@ -206,8 +206,8 @@ def _report(
     coordinates, table = equations.description.coordinates, equations.description.constraints
     before, after = np.array([start.q, start.v]), np.array([q, v])
     far = np.abs(after - before) > MOVED * scale * np.maximum(1.0, np.abs(after))
-    moved = []
-    for k, i in np.argwhere(far.T).tolist():
+    moved = []  # but for what follows from bodies, since nobody gave it
+    for k, i in np.argwhere(far.T & (start.ease.T == 1.0)).tolist():
         row, asked, reached = coordinates[k], float(before[i, k]), float(after[i, k])
         name, unit = (row.velocity, row.velocity_unit) if i else (row.name, row.unit)
         moved.append(Moved(name, asked, reached, unit))

@@ -115,7 +115,7 @@ def misses(task: Task, q: FloatArray, values: FloatArray, least: float, per: str
     worst = sorted(found.items(), key=lambda item: -item[1])[:6]
     return ", ".join(
         f"{'driver' if element in description.drivers else 'joint'} {element} misses by "
-        f"{miss:.4g} {unit}{per}"
+        f"{miss:.4g} {unit}{per}".removesuffix(" 1")
         for place, ((element, unit), miss) in enumerate(worst)
         if miss > max(least, _NOISE * worst[0][1]) or place == 0
     )

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from codegen.errors import UnknownNameError
-from codegen.object_display import html_of, html_table, listed, without_rounding
+from codegen.object_display import html_of, html_table, listed, with_unit, without_rounding
 from codegen.readers.calls import checked_class, named_attributes
 from runtime.core.arrays import Vector
 from runtime.integrate.problem import Discrete
@@ -79,7 +79,7 @@ class State:
         if not self.coordinates:
             return f"State(t={self.t!r}, q={self.q!r}, v={self.v!r})"
         places = [row for row in self.coordinates if not row.is_state]
-        values = [f"{row.name} = {self[row.name]:.6g} {row.unit}" for row in places]
+        values = [f"{row.name} = {with_unit(self[row.name], row.unit)}" for row in places]
         rates = ((row.velocity, row.velocity_unit) for row in self.coordinates)
         values += [f"{name} = {self[name]:.6g} {unit}".rstrip() for name, unit in rates]
         return f"State at t = {self.t:.9g} s: {', '.join(values)}"
@@ -147,7 +147,7 @@ class Assembly:
         """The report, and the positions and velocities."""
         q_shown, v_shown = without_rounding(self.q), without_rounding(self.v)
         state = [*zip(self.coordinates, q_shown, v_shown, strict=False)]
-        q = (f"{row.name} = {x:.6g} {row.unit}" for row, x, _ in state if not row.is_state)
+        q = (f"{row.name} = {with_unit(x, row.unit)}" for row, x, _ in state if not row.is_state)
         v, y = (
             [f"{r.velocity} = {x:.6g} {r.velocity_unit}" for r, _, x in state if r.is_state is kind]
             for kind in (False, True)
@@ -184,7 +184,7 @@ class Assembly:
         head = f"Assembled at t = {self.t:g} s, degrees of freedom: {freedom}; "
         lines = [f"{head}largest residual {worst:.1e}, of velocities {worst_rate:.1e}."]
         lines += [
-            f"  {row.name} moved from {row.asked:.6g} to {row.reached:.6g} {row.unit}"
+            f"  {row.name} moved from {row.asked:.6g} to {with_unit(row.reached, row.unit)}"
             for row in self.moved
         ]
         lines += [f"  {self.note}"] if self.note else []

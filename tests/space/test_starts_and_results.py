@@ -245,6 +245,10 @@ def test_words_of_a_start(workshop: Path) -> None:
     begin, drawn = machine.assemble(start={"A.angle": 2.0}), machine.assemble()
     assert abs(begin.q[3:7] @ drawn.q[3:7]) < np.cos(0.25 * np.pi)  # by more than a right angle
     assert "turns by more" not in begin.note
+    text = repr(machine.assemble(start={"b.e1": 0.3}))
+    assert "b.e1 = 0.3, " in text
+    assert "b.e0 moved from" in text
+    assert "A.angle moved" not in text
     run = machine.simulate(0.1, 2, guess={"b.e1": 0.3}, start={"A.angle": 0.0}, progress=False)
     assert "guess b.e1 = 0.3 became 0.099" in run.message
     assert " 1:" not in run.message
