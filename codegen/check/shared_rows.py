@@ -4,8 +4,8 @@ The rest of a joint's rows of Φ_q, without their part in the span of other join
 joint adds. Rows or combinations that stand for it (`codegen.lower.kernels.independent_rows`) are
 compared with it at the start and at positions along the motion: the smallest singular value of the
 product of orthonormal weights with an orthonormal basis of the rest is 1 where they span it, and 0
-where one of them says nothing. Those are taken whose smallest value of all positions is largest,
-and of columns those with few entries, unless others say far more.
+where one of them says nothing. Those are taken whose smallest value of all positions is largest;
+in the plane columns with few entries come first, unless others say far more.
 """
 
 import math

@@ -283,7 +283,7 @@ class _Maker:
 
 
 def held_apart(picture: SpacePicture, joint: SpaceJoint) -> FloatArray:
-    """From place i of a joint to place j, (3,), m, without its share along which it slides."""
+    """From place i of a joint to place j, (3,), m, without the share along which it slides."""
     away = np.asarray(picture.where(joint.j) - picture.where(joint.i))
     if joint.axis is None or not (joint.slides or joint.form == "plate"):
         return away

@@ -111,7 +111,8 @@ IN_SPACE = """# Elements of machines in space
 
 Kinds of `Model(name, space=True)` whose equations are not those of the plane. r_i^P is the point \
 of body i, d the way from it to that of body j; f, g and h are unit vectors of a body, \
-perpendicular to each other, h along the axis of the joint. A_i is the rotation matrix of body i."""
+perpendicular to each other, h along the axis of the joint. A is the rotation matrix of a body, \
+Q_r the force on it; s' is the place of its point, n' the torque, in its axes."""
 ABOUT = """# Elements
 
 The joints, drivers and forces of the library. Each page shows the equations of an element as they \

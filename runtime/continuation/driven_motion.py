@@ -207,7 +207,7 @@ class Continuation(ContinuationState):
     def begin(self, preferred: FloatArray) -> None:
         """Start in a singular configuration, on the branch nearest to `preferred` velocities.
 
-        A start so far off it that its velocities tell the branch is on the branch of these.
+        Farther than `_DISTINCT` off it, the branch is that of the assembled velocities.
         """
         equations, scale = self.equations, self.scale
         t, q = self.t, self.q.copy()

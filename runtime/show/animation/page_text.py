@@ -276,7 +276,7 @@ def curves(result: "Result") -> tuple[list[dict[str, Any]], list[dict[str, Any]]
 def _rows(result: "Result") -> Iterator[Series]:
     """The series that a page offers, in the order of a report.
 
-    Bodies in space have ω' and ω̇' for the derivatives of their Euler parameters.
+    Bodies in space have ω' in place of the rates of their Euler parameters.
     """
     table, turning = result.description.series, result.description.turning
     parameters = {k for _, first in turning for k in range(first, first + 4)}
