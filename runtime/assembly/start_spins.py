@@ -38,7 +38,7 @@ def with_spins(
     matrix = np.vstack([equations.jacobian(t, q), rows])
     right = np.array([*equations.velocity_rhs(t, q), *(spin.value for spin in given)])
     v, scaled = v.copy(), matrix * scale
-    unit = np.abs(scaled).max(axis=1, initial=1e-300)  # safety: a row of zeros
+    unit = np.abs(scaled).max(axis=1, initial=1.0)  # a row about to vanish stays short
     matrix_in_units = scaled[:, ~fixed] / unit[:, None]
     for _ in range(2):
         step = np.linalg.lstsq(matrix_in_units, (right - matrix @ v) / unit, rcond=1e-12)[0]
