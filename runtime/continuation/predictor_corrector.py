@@ -40,6 +40,8 @@ _TRAVEL = 0.5  # measured: scaled motion of the longest step
 _TRIES = 4096  # safety: steps, rejected ones included, before an interrupt is heard
 _ITERATIONS = 30  # safety: of Newton's method for a position
 _MARGIN = 0.5  # measured: of the smallest pivot; scaled motion until pivots are compared again
+_WARY = 0.01  # measured: the same where rows of drivers may vanish, whose pivots fall at once
+_LOST = 1e-6  # measured: pivot of such a row next to which accelerations are rounding
 _POOR = 0.5  # measured: of the smallest pivots at both ends; a smaller one between is suspicious
 _GOOD = 0.05  # measured: smallest pivot of a state to which the continuation may return
 _VANISHED = 1e-4  # measured: of `SHORTEST` of a driver's row; a start with less is singular
@@ -48,10 +50,12 @@ STEEP = 1e6  # safety: growth of a slope of Phi since the start that counts as u
 # The record that a continuation keeps. t: instant of the state; barrier: instant to stop at, or not
 # a number; travel: scaled motion since pivots were compared; least: the smallest then, negative
 # where they are to be computed first; best: the largest of these since the continuation began or
-# was resumed. At a suspicion, end: instant until which pivots were followed; zero: part of the way
-# there at which one of them vanishes. compared: when pivots were compared last; good: when they
-# were last about as good as the best; mark: number of instants done.
-_FLOATS = ["t", "step", "barrier", "travel", "least", "best", "end", "zero", "compared_t", "good_t"]
+# was resumed; margin: of the smallest, the motion until they are compared again; lost: the largest
+# pivot that has no sign. At a suspicion, end: instant until which pivots were followed; zero: part
+# of the way there at which one of them vanishes. compared: when pivots were compared last; good:
+# when they were last about as good as the best; mark: number of instants done.
+_FLOATS = ["t", "step", "barrier", "travel", "least", "best", "margin", "lost", "end"]
+_FLOATS += ["zero", "compared_t", "good_t"]
 _COUNTS = ["mark", "compared_mark", "good_mark", "steps", "rejected", "newton"]
 RECORD = np.dtype([(name, float) for name in _FLOATS] + [(name, np.int64) for name in _COUNTS])
 
@@ -171,13 +175,14 @@ def is_suspicious(kernels: Any, s: Any, r: Any) -> bool:
 
     A pivot that vanishes only in this order of pivots takes another through infinity: signs change
     in pairs, and the position in between is a good one with an order of its own. An odd number of
-    changes is a change of the determinant's sign.
+    changes is a change of the determinant's sign. A pivot lost where a step ends counts as one.
     """
     before, now, between, middle = s.pivots[0], s.pivots[1], s.pivots[2], s.trial[2]
     eliminate_at(kernels, s, r.t, s.q, s.orders[0], now, 0)
     changes, poorest = 0, np.inf
     for i in range(before.size):
-        if min(abs(before[i]), abs(now[i])) <= REDUNDANT or before[i] * now[i] > 0.0:
+        kept = before[i] * now[i] > 0.0 and abs(now[i]) > r.lost
+        if kept or abs(before[i]) <= r.lost:
             continue
         changes += 1
         part = before[i] / (before[i] - now[i])
@@ -248,7 +253,7 @@ def advance(kernels: Any, times: Any, s: Any, r: Any) -> int:
         if off < 0.2 * _PREDICTED:
             r.step = max(r.step, 2.0 * h)
         ends = last and (barred or r.mark + 1 == len(times))
-        if r.travel < _MARGIN * r.least and not ends:
+        if r.travel < r.margin * r.least and not ends:
             continue
         if is_suspicious(kernels, s, r):
             # Back to the last comparison; the next one is to come at once.
@@ -301,6 +306,9 @@ class ContinuationState:
         self.record = np.rec.array(np.zeros(1, RECORD))[0]
         self.record.t, self.record.step = start.t, max(self.span, 1.0)
         self.record.least, self.record.barrier = -1.0, np.nan
+        varies = drivers & ~np.isclose(least, SHORTEST * lengths)
+        wary = _WARY, _LOST
+        self.record.margin, self.record.lost = wary if varies.any() else (_MARGIN, REDUNDANT)
         self._workspace = Workspace(
             p=equations.p, scale=self.scale, weights=self.scale**2, shortest=self.shortest,
             q=self.q, v=self.v, a=self.a, lam=lam, modes=self.modes, q_out=self.q_out,

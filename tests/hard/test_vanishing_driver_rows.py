@@ -117,6 +117,24 @@ def test_start_beside_a_vanishing_row_goes_on_smoothly_or_is_refused(
             assert run[speed] == pytest.approx(w, abs=1e-6), off
 
 
+@pytest.mark.parametrize("kind", ["plane", "space", "crank"])
+def test_instants_at_and_beside_a_vanishing_row_may_be_asked_for(
+    cosines: dict[str, Machine], kind: str
+) -> None:
+    near = 10.0 ** np.arange(-12, -5)
+    for off in (-1.0, -0.777, -0.3, -0.05, -0.003):
+        there = -off / 2.0
+        start, speed = start_at(kind, off)
+        start, values = start | {speed: 2.0}, {"off": off}
+        grid = np.linspace(0.0, 2.0, 41)
+        beside = [[0.0, there + d, 2.0] for d in (*-near, 0.0, *near)]
+        turns = [0.0, *(there + np.arange(4) * np.pi / 2)]
+        for t in (*beside, turns, np.union1d(grid, there), [0.0, there], [0.0, there, 1.1 * there]):
+            run = cosines[kind].kinematics(t, start=start, parameters=values, progress=False)
+            assert run.outcome is Outcome.OK
+            assert run[speed] == pytest.approx(2.0, abs=1e-6), (off, t)
+
+
 @pytest.mark.parametrize("kind", ["plane", "space"])
 def test_simulation_passes_a_vanishing_row_or_names_it(
     cosines: dict[str, Machine], kind: str
