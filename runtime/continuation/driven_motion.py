@@ -9,6 +9,7 @@ branches only come close, or at a fold, the curve of positions is followed by it
 
 from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,7 +30,6 @@ from runtime.continuation.predictor_corrector import (
     STEEP,
     SUSPECT,
     ContinuationState,
-    DrivenMotion,
 )
 from runtime.core.arrays import EPS
 from runtime.core.outcomes import Outcome
@@ -57,6 +57,18 @@ _WITHIN = 0.99  # measured: part of a zone's reach that lies safely inside
 _REGAINED = 0.3
 _WIDE = 1e-2  # measured: or the singular value from which on it has left
 _FARTHEST = 1.0  # safety: scaled length of the longest trace
+
+
+class DrivenMotion(NamedTuple):
+    """A driven motion: states at the instants reached, outcome, and singular configurations."""
+
+    t: FloatArray
+    q: FloatArray
+    v: FloatArray
+    outcome: Outcome
+    message: str
+    stats: dict[str, float]
+    singular: tuple[SingularPosition, ...]
 
 
 class Continuation(ContinuationState):

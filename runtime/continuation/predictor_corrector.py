@@ -11,7 +11,7 @@ one assembly the determinant keeps its sign. At a suspicion the code is SUSPECT,
 """
 
 from collections import namedtuple
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numba import from_dtype
@@ -21,13 +21,11 @@ from runtime.core import arrays
 from runtime.core.arrays import f8, i8, vector
 from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernel_abi import TYPES, accelerations_of, correction_of, jacobian_of
-from runtime.core.outcomes import Outcome
 from runtime.linalg.dense_elimination import Sparse, eliminate_rows, fill_unit_rows, smallest_pivot
 from runtime.linalg.rank_policy import REDUNDANT
 from runtime.linalg.vectors import axpy, copy_vector, largest_ratio
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.results.assembled_state import Assembly
-from runtime.results.run_records import SingularPosition
 from runtime.singularity.scaled_constraints import SHORTEST
 
 if TYPE_CHECKING:
@@ -269,18 +267,6 @@ def advance(kernels: Any, times: Any, s: Any, r: Any) -> int:
 _CHUNK = 4096  # measured: instants between two returns to Python, for progress and interrupts
 _KNOWN = 1e-9  # accuracy: uncertainty of a singular instant, in parts of its zone's reach
 _SAME = 1e-8  # accuracy: scaled distance of positions that differ by rounding, near a singular one
-
-
-class DrivenMotion(NamedTuple):
-    """A driven motion: states at the instants reached, outcome, and singular configurations."""
-
-    t: FloatArray
-    q: FloatArray
-    v: FloatArray
-    outcome: Outcome
-    message: str
-    stats: dict[str, float]
-    singular: tuple[SingularPosition, ...]
 
 
 class ContinuationState:

@@ -20,8 +20,7 @@ from codegen.object_display import counted
 from runtime.assembly.assemble import assemble
 from runtime.assembly.redundancy import redundancy_note, suited_equations
 from runtime.assembly.start_values import start_note, start_values
-from runtime.continuation.driven_motion import follow
-from runtime.continuation.predictor_corrector import DrivenMotion
+from runtime.continuation.driven_motion import DrivenMotion, follow
 from runtime.core.kinds import Direction
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.checks.end_checks import check_result

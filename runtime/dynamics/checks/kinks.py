@@ -9,7 +9,8 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from runtime.continuation.predictor_corrector import STEEP, DrivenMotion
+from runtime.continuation.driven_motion import DrivenMotion
+from runtime.continuation.predictor_corrector import STEEP
 from runtime.core.outcomes import Outcome, Site
 from runtime.integrate.problem import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray, row_lengths
