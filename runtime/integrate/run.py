@@ -201,15 +201,19 @@ class Run:
         return run.result(Outcome(code), time.thread_time() - began)
 
     def _end_at_lock_up(self, code: int) -> int:
-        """SINGULAR where drivers ask for ever more speed up to a position that is close by."""
+        """SINGULAR where drivers ask for ever more speed up to a position that is close by.
+
+        Or where the machine just misses a position in which its motions cross.
+        """
         r = self.state.record
         of_event = code == Outcome.CONTRADICTED and r["index"] >= 0
         if of_event or code not in (*_STUCK, Outcome.CONTRADICTED):
             return code
         row = self.crossings.find_lock_up(_CLOSE * float(r["duration"]))
-        if row < 0:
+        if row >= 0:
+            r["index"], r["site"] = row, Site.LOCK_UP
+        elif code == Outcome.CONTRADICTED or not self.crossings.is_near_miss():
             return code
-        r["index"], r["site"] = row, Site.LOCK_UP
         return int(Outcome.SINGULAR)
 
     def _watch_start(self) -> int:

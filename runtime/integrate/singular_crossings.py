@@ -35,6 +35,7 @@ _SLACK = 1e3  # measured: factor by which the estimate may err if rounding domin
 _LARGE = 0.5  # measured: of the largest share; units of rows and masses change a share by as much
 _PROBE = 0.01  # safety: of the way to a lock-up; distance at which its singular value is compared
 _ASKED = 0.1  # safety: of a velocity; a smaller part does not come from a lock-up
+_BEND = 10.0  # safety: widths of a bend, from its middle, within which a run may have got stuck
 _TRIES = 4  # safety: plans for one crossing
 
 # As integers: looking up a member of an enumeration is slow in Python 3.11.
@@ -138,6 +139,20 @@ class Crossings:
         change = constraints.weakest(t + h, q + h * v)[1] - rest
         close = change < 0.0 and rest * h <= -2.0 * change * within
         return int(constraints.independent[np.abs(asked).argmax()]) if close else -1
+
+    def is_near_miss(self) -> bool:
+        """Whether a run that can go no further is in the bend by which a position is missed."""
+        motion = self._motion()
+        position = self.positions.find(motion, 0.0)
+        if position is None or not position.rate > 0.0:
+            return False
+        if position.gap <= self.steps.rounding(motion.position):
+            return False
+        width = _width(position)
+        near = abs(position.t - motion.t) < _BEND * width
+        if near:
+            self._end_at_miss(position, width)
+        return near
 
     # -- steps of a plan ----------------------------------------------------------------------
 
@@ -255,23 +270,26 @@ class Crossings:
         (size: largest coordinate in units of `scale`, at least 1).
         """
         r = self.record
-        width = float(np.sqrt(position.gap / (position.rate * position.speed)))
+        width = _width(position)
         ahead = position.t - float(r["t"])
         if ahead < width and self.steps.noise(position) > width**2:
-            # Twice the rtol at which both are equal.
-            needed = 2.0 * self.rtol * self.steps.noise(position) / width**2
-            self.note = (
-                f"At t = {position.t:.9g} s the machine misses a position in which its motions "
-                f"cross by {position.gap:.1e}, too little to be followed in rounded numbers with "
-                f"this rtol; loosen rtol to about {needed:.0e}, or make the lengths agree exactly."
-            )
-            return self._end(Site.NARROW_MISS, position)
+            return self._end_at_miss(position, width)
         r["plan"], r["turn"], r["length_across"] = _MISSING, position.t, 0.5 * width
         # From further away than the bend is wide, what is missed may turn out to be met.
         r["quiet"] = r["t"] + 0.5 * ahead
         if ahead < width:
             r["quiet"] = max(position.t + 3.0 * width, r["t"] - 0.5 * ahead)
         return _GOING
+
+    def _end_at_miss(self, position: Singularity, width: float) -> int:
+        # Twice the rtol at which rounding and the bend are equal.
+        needed = 2.0 * self.rtol * self.steps.noise(position) / width**2
+        self.note = (
+            f"At t = {position.t:.9g} s the machine misses a position in which its motions "
+            f"cross by {position.gap:.1e}, too little to be followed in rounded numbers with "
+            f"this rtol; loosen rtol to about {needed:.0e}, or make the lengths agree exactly."
+        )
+        return self._end(Site.NARROW_MISS, position)
 
     def _extrapolate(self, motion: Motion, position: Singularity) -> bool:
         """Write the derivative at the step's start, by continuity; false where there is none."""
@@ -316,3 +334,8 @@ class Crossings:
     def _length(self, vector: Vector) -> float:
         scaled = vector / self.scale
         return sqrt(scaled @ scaled)
+
+
+def _width(position: Singularity) -> float:
+    """The time within which a machine bends away from a position that it misses, s."""
+    return sqrt(position.gap / (position.rate * position.speed))
