@@ -13,11 +13,21 @@ const TAIL = 90; // samples of the strong part of a path
 const GRASP = 0.028; // of the machine's size: how near to a joint a click is one on it
 const DEEP = 100; // machine's sizes that the view reaches before and behind
 const TRIAD = 26; // px, length of the global axes in the corner
+const COARSE = 0.5; // pixels of a picture in motion without a card, of those at rest with one, along a side
+const FINEST = 2; // pixels of a screen that are drawn, of each px along a side
+const REST = 250; // ms after which a picture rests; without a card it has more pixels then, for smooth edges
+
+/** Whether a card draws WebGL; for a processor each pixel takes its time. */
+function hasCard() {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const known = gl?.getExtension("WEBGL_debug_renderer_info");
+  return !known || !/swiftshader|llvmpipe|software|basic render/i.test(gl.getParameter(known.UNMASKED_RENDERER_WEBGL));
+}
 
 /** A run within its figure; `choose(element)` is called for what is clicked on. */
 export class Stage {
   constructor(figure, scene, camera, shown, choose) {
-    Object.assign(this, { scene, camera, shown, chosen: "", written: 0 });
+    Object.assign(this, { scene, camera, shown, chosen: "", written: 0, following: false, smooth: hasCard() });
     this.svg = figure.querySelector("svg");
     this.svg.setAttribute("aria-label", ["Picture of", [scene.run.title, scene.run.label].filter(Boolean).join(", ")].join(" "));
     this.svg.style.touchAction = "none";
@@ -56,7 +66,7 @@ export class Stage {
     canvas.style.cssText = "position: absolute; inset: 0; width: 100%; height: 100%;";
     canvas.setAttribute("aria-hidden", "true");
     try {
-      const renderer = new globalThis.THREE.WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
+      const renderer = new globalThis.THREE.WebGLRenderer({ canvas, antialias: this.smooth, alpha: true });
       figure.prepend(canvas);
       this.view = new globalThis.THREE.OrthographicCamera();
       this.root = new globalThis.THREE.Scene();
@@ -114,9 +124,25 @@ export class Stage {
       this.view.position.set(...right.map((value, k) => x * value + y * up[k] + depth * toward[k]));
       this.view.updateProjectionMatrix();
       this.light.position.set(...right.map((value, k) => toward[k] + 0.7 * up[k] - 0.4 * value));
-      this.renderer.setPixelRatio(globalThis.devicePixelRatio);
       this.renderer.setSize(width, height, false);
     }
+    if (this.following) return;
+    this.pace(false);
+    this.drawArrows(true);
+  }
+
+  /** Draws with fewer pixels in motion where there is no card, and with more at rest. */
+  pace(playing) {
+    this.resolve(playing && !this.smooth ? COARSE : 1);
+    clearTimeout(this.resting);
+    if (!playing && !this.smooth) this.resting = setTimeout(() => this.resolve(2), REST);
+  }
+
+  /** Draws with a share of the screen's pixels along a side. */
+  resolve(share) {
+    const ratio = share * Math.min(globalThis.devicePixelRatio, FINEST);
+    if (!this.renderer || this.renderer.getPixelRatio() === ratio) return;
+    this.renderer.setPixelRatio(ratio);
     this.drawArrows(true);
   }
 
@@ -184,7 +210,10 @@ export class Stage {
     const now = performance.now();
     const withText = !playing || now - this.written > TEXTS;
     if (withText) this.written = now;
+    this.following = playing; // the view is drawn once
     if (this.camera.start) this.camera.follow(this.scene.middle);
+    this.following = false;
+    this.pace(playing);
     this.drawArrows(withText);
   }
 }
