@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from codegen.declare.outline_files import read_outline, write_path
     from codegen.declare.outlines import Outline, bar, disc, polygon, rectangle
     from codegen.declare.scene import Scene
+    from codegen.declare.solid_forms import extruded, read_mesh
     from codegen.declare.space_body import SpaceBody, SpacePoint
     from codegen.declare.space_frame import SpaceFrame
     from codegen.declare.symbols import SPEED, Coordinate, alpha, coordinate, given, t
@@ -67,6 +68,7 @@ _ROOMS = {
         *("Statement", "WrenchReaction"),
     ),
     "codegen.declare.scene": ("Scene",),
+    "codegen.declare.solid_forms": ("extruded", "read_mesh"),
     "codegen.declare.space_body": ("SpaceBody", "SpacePoint"),
     "codegen.declare.space_frame": ("SpaceFrame",),
     "codegen.declare.symbols": ("SPEED", "Coordinate", "alpha", "coordinate", "given", "t"),
@@ -88,7 +90,7 @@ __all__ += ["WrenchReaction"]
 __all__ += ["__version__", "alpha", "bar", "build", "coordinate", "disc", "element", "given"]
 __all__ += ["polygon", "read_outline", "rectangle", "t"]
 __all__ += ["CamProfile", "MotionProgram", "flat_faced_cam", "fourier_series", "motion_program"]
-__all__ += ["roller_cam", "write_path"]
+__all__ += ["extruded", "read_mesh", "roller_cam", "write_path"]
 
 
 def __getattr__(name: str) -> object:

@@ -58,14 +58,8 @@ def read_outline(file: str | Path, layer: str | None = None, unit: str | None = 
     InputError
         If ezdxf, shapely or svgelements is not installed.
     """
-    path = Path(str(file))
-    readers = {".dxf": _of_dxf, ".svg": _of_svg}
-    reader = readers.get(path.suffix.lower())
-    if not path.is_file():
-        beside = [one.name for one in path.parent.glob("*.*") if one.suffix.lower() in readers]
-        raise ModelError(f"There is no file {shown(str(path))}; {nearest(path.name, beside)}")
-    if reader is None:
-        raise ModelError(f"{shown(str(path))} is no file that ends in .dxf or .svg.")
+    path = drawing_file(file, (".dxf", ".svg"))
+    reader = _of_dxf if path.suffix.lower() == ".dxf" else _of_svg
     try:
         strands, own = reader(path, layer)
         scale = own if unit is None else float(converted(1.0, unit, "m"))
@@ -80,6 +74,17 @@ def read_outline(file: str | Path, layer: str | None = None, unit: str | None = 
     loops = [_outline(one, scale) for one in _loops(path.name, strands, scale, gap)]
     loops.sort(key=lambda one: -abs(area(numbers_of(tuple(one), {}))))
     return loops[0].with_holes(*loops[1:])
+
+
+def drawing_file(file: str | Path, kinds: tuple[str, ...]) -> Path:
+    """The path of a file that exists and ends in one of two kinds."""
+    path = Path(str(file))
+    if not path.is_file():
+        beside = [one.name for one in path.parent.glob("*.*") if one.suffix.lower() in kinds]
+        raise ModelError(f"There is no file {shown(str(path))}; {nearest(path.name, beside)}")
+    if path.suffix.lower() not in kinds:
+        raise ModelError(f"{shown(str(path))} is no file that ends in {' or '.join(kinds)}.")
+    return path
 
 
 def _outline(strand: Strand, scale: float) -> Outline:

@@ -13,6 +13,7 @@ import sympy
 from codegen.declare.body import Body, Loads, Point, expressions_in
 from codegen.declare.rotation_entries import G, rotation_matrix, spin
 from codegen.declare.symbols import Coordinate, QuasiCoordinate, Velocity, own_coordinate, rate
+from codegen.drawing.meshes import Mesh
 from codegen.errors import ModelError
 from codegen.readers.calls import declaring_class, named_attributes
 from codegen.readers.values import shown
@@ -44,8 +45,11 @@ class SpaceBody(Body):
         the body.
     place, attitude
         The pose at the drawing: position of the centre of mass, m, and Euler parameters.
+    forms
+        What draws the body; empty: joints and inertia determine it.
     """
 
+    forms: tuple[Mesh, ...] = field(default=(), kw_only=True)
     place: tuple[float, ...] = field(default=ORIGIN, kw_only=True)
     attitude: tuple[float, ...] = field(default=UPRIGHT, kw_only=True)
 

@@ -14,7 +14,7 @@ from codegen.declare.symbols import Coordinate, Parameter, Time, derivative, kin
 from codegen.drawing import shapes
 from codegen.drawing.picture import BodyLayout, Symbol
 from codegen.drawing.shapes import Pair, Place, Shape, SpacePlace
-from codegen.drawing.space_shapes import Bulk, Wrench
+from codegen.drawing.space_shapes import Bulk, Form, Wrench
 from codegen.readers.arguments import one_of, optional, several
 from codegen.readers.calls import errors_at
 from codegen.readers.expressions import plain_expression
@@ -84,6 +84,12 @@ def scene_picture(
         for shape in _shapes(element, role, hubs)
     ]
     found += [*_bulks(bodies, found, numbers)]
+    found += [
+        Symbol(body.name, "body", "body", _numbered(Form(body.at(0, 0, 0), form.text), numbers))
+        for body in numbers
+        if isinstance(body, SpaceBody)
+        for form in body.forms
+    ]
     constants = tuple(
         (Parameter(name, real=True), value)
         for name, value in parameters.items()

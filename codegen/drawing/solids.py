@@ -10,10 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from codegen.drawing.meshes import Mesh, mesh_of
 from codegen.drawing.picture import BAR, BLOCK, BOB, PIN, SAME, SpacePicture
 from codegen.drawing.plane_geometry import FloatArray
 from codegen.drawing.shapes import Mark, Pair, SpacePlace, Trace, places
-from codegen.drawing.space_shapes import Bulk, Push, SpaceJoint
+from codegen.drawing.space_shapes import Bulk, Form, Push, SpaceJoint
 
 ROUND = 32  # layout: corners of a cylinder and of a ball's rings
 THIN = 0.6  # layout: radius of a bar, in half widths of a planar one
@@ -28,12 +29,13 @@ EQUAL = 0.02  # accuracy: of half sizes of a body that is drawn round
 
 
 class Solid(NamedTuple):
-    """A form of a body: "ball", "cylinder" or "box", and the matrix (3, 4) that places it, m."""
+    """A "ball", "cylinder", "box" or "mesh" of a body, and the matrix (3, 4) that places it."""
 
     form: str
     body: int
     matrix: FloatArray
     element: str = ""  # to which it belongs; of the body itself where there is none
+    mesh: Mesh | None = None
 
     @property
     def center(self) -> FloatArray:
@@ -42,7 +44,9 @@ class Solid(NamedTuple):
 
     @property
     def corners(self) -> FloatArray:
-        """Points of its body, (k, 3), m, whose convex hull it is."""
+        """Points of its body, (k, 3), m, whose convex hull it is, or the corners of a mesh."""
+        if self.mesh:
+            return self.mesh.vertices
         return np.asarray(self.matrix[:, 3] + _CORNERS[self.form] @ self.matrix[:, :3].T)
 
 
@@ -64,7 +68,7 @@ def solids(picture: SpacePicture) -> list[Solid]:
     first = picture.first
     assert isinstance(first, SpacePicture)
     maker = _Maker(picture, first)
-    found = [one for body in range(1, len(picture.bodies)) for one in maker.body(body)]
+    found = [one for body in range(len(picture.bodies)) for one in maker.body(body)]
     found += [one for symbol in first.symbols for one in maker.joint(symbol.element, symbol.shape)]
     return [one for one in found if np.isfinite(one.matrix).all()]
 
@@ -79,6 +83,8 @@ def reach(picture: SpacePicture) -> float:
            for k in range(1, len(picture.bodies))]  # fmt: skip
     long = [_diagonal(points) for points in own if len(points) > 1]
     everything = [*map(picture.where, held), *picture.poses[1:, :3]]
+    for _, form in picture.having(Form):
+        everything += [*picture.in_world(mesh_of(form.mesh).vertices, form.at.body)]
     whole = min(_diagonal(everything), LINKS * float(np.median(long)) if any(long) else np.inf)
     bulks = [2.0 * half_sizes(bulk)[0].max() for _, bulk in picture.having(Bulk)]
     return whole or max(bulks, default=0.0) or 1.0
@@ -146,11 +152,16 @@ class _Maker:
         moving = first.poses[None] if picture.motion is None else picture.motion
         step = max(1, len(moving) // 500)  # layout: instants from which rails have their length
         self.motion = SpacePicture("", picture.bodies, moving[::step], first.symbols)
+        self.meshes: dict[int, list[Mesh]] = {number: [] for number in range(len(picture.bodies))}
+        for _, form in first.having(Form):
+            self.meshes[form.at.body].append(mesh_of(form.mesh))
 
     def body(self, number: int) -> Iterator[Solid]:
-        """A bar or a star of bars, and what follows from the inertia; nothing of the ground."""
+        """What draws a body; else a bar or a star of bars, and what follows from the inertia."""
         size, first = self.size, self.first
-        if first.is_ground(number):
+        for mesh in self.meshes[number]:
+            yield Solid("mesh", number, np.eye(3, 4), mesh=mesh)
+        if first.is_ground(number) or self.meshes[number]:
             return
         radius = THIN * BAR * size
         held = self._held(number)
@@ -236,16 +247,18 @@ class _Maker:
         inner = self.first.within(self.first.along(joint.axis), j.body) if joint.axis else h
         sleeve = SLEEVE * self.size
         match joint.form:
-            case "hinge" | "shaft":
+            case "hinge" | "shaft" | "bead":
                 ends = at + (first - 1.6 * sleeve) * h, at + (last + 1.6 * sleeve) * h
                 yield bar(i.body, *ends, 0.8 * pin, element)
                 middle, half = _point(j), sleeve * inner
-                yield bar(j.body, middle - half, middle + half, 1.5 * pin, element)
+                sleeves = bar(j.body, middle - half, middle + half, 1.5 * pin, element)
+                yield ball(j.body, middle, 1.7 * pin, element) if joint.form == "bead" else sleeves
             case "rail":
                 ends = at + (first - 2 * block) * h, at + (last + 2 * block) * h
                 yield bar(i.body, *ends, 0.7 * pin, element)
                 halves = [BLOCK[1] * self.size, BLOCK[1] * self.size, block]
-                yield box(j.body, _point(j), axes_along(inner), halves)
+                if not self.meshes[j.body]:
+                    yield box(j.body, _point(j), axes_along(inner), halves)
             case "plate":
                 halves = [3 * block, 3 * block, 0.4 * pin]
                 yield box(i.body, at, axes_along(h), halves, element)

@@ -13,9 +13,9 @@ from codegen.drawing.shapes import Number, Pair, PointOrPlace, Shape
 class SpaceJoint(Pair):
     """Two places that a joint holds together, but for where it slides.
 
-    Its form is "ball", "hinge", "shaft" (a hinge that slides), "rail" (a block on it), "plate" (a
-    ball on it), "cross" (of a universal joint) or "clamp". An axis is a direction of body i, or of
-    body j, as the place to which it leads from the body's origin.
+    Its form is "ball", "hinge", "shaft" (a hinge that slides), "bead" (a ball that slides), "rail"
+    (a block on it), "plate" (a ball on it), "cross" (of a universal joint) or "clamp". An axis is a
+    direction of body i, or of body j, as the place to which it leads from the body's origin.
     """
 
     kind = "joint"
@@ -26,7 +26,7 @@ class SpaceJoint(Pair):
     @property
     def slides(self) -> bool:
         """Whether place j may leave place i along the axis."""
-        return self.form in ("shaft", "rail")
+        return self.form in ("shaft", "bead", "rail")
 
 
 @dataclass(frozen=True)
@@ -42,6 +42,15 @@ class Bulk(Shape):
     jxy: Number
     jxz: Number
     jyz: Number
+
+
+@dataclass(frozen=True)
+class Form(Shape):
+    """A mesh, as its text, in the frame of the body of a place."""
+
+    kind = "form"
+    at: PointOrPlace
+    mesh: str
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from codegen.drawing.solids import Solid, held_apart
 from codegen.drawing.space_shapes import SpaceJoint
 from codegen.drawing.styles import Stroke
 
+SHARP = 0.85  # layout: cosine between triangles at whose edge a mesh has a line
 LEAST = 0.02  # layout: of an arrow toward the viewer, in typical lengths
 
 
@@ -26,7 +27,11 @@ def strokes_in_space(
         points = picture.in_world(solid.corners, solid.body)
         if not np.isfinite(points).all():
             continue
-        line, depth = convex_hull(picture.flat(points)), _depth(picture, points)
+        depth = _depth(picture, points)
+        if solid.mesh:
+            found.append((depth, _of_mesh(picture, solid, points)))
+            continue
+        line = convex_hull(picture.flat(points))
         styles: tuple[str, ...] = ("edge", "inside")
         if solid.element:  # before the bars that it holds
             styles = ("support",) if picture.is_ground(solid.body) else ("hub",)
@@ -46,6 +51,28 @@ def strokes_in_space(
     return [
         *(stroke for _, strokes in ordered for stroke in strokes),
         *(Stroke("gap", 0, gap) for gap, _ in filter(None, open_joints)),
+    ]
+
+
+def _of_mesh(picture: SpacePicture, solid: Solid, points: FloatArray) -> list[Stroke]:
+    """The outer edges of a mesh, its inside as one stroke with gaps, and its sharp edges."""
+    assert solid.mesh
+    triangles, flat, body = solid.mesh.triangles, picture.flat(points), solid.body
+    a, b, c = np.moveaxis(points[triangles], 1, 0)
+    normals = np.cross(b - a, c - a)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True) + 1e-300
+    seen = normals @ picture.view[2] > 0.0
+    sides = np.sort(np.concatenate(np.moveaxis(triangles[:, [[0, 1], [1, 2], [2, 0]]], 1, 0)))
+    order = np.lexsort(sides.T)
+    twice = np.flatnonzero((np.diff(sides[order], axis=0) == 0).all(axis=1))
+    edges, one, other = sides[order][twice], *(order[twice + k] % len(triangles) for k in (0, 1))
+    outer = seen[one] != seen[other]
+    sharp = seen[one] & seen[other] & ((normals[one] * normals[other]).sum(axis=1) < SHARP)
+    cells = np.column_stack([flat[triangles[seen]], np.full(seen.sum(), np.nan)]).ravel()
+    return [
+        *(Stroke("edge", body, flat[edge]) for edge in edges[outer]),
+        Stroke("inside", body, cells[:-1]),
+        *(Stroke("spoke", body, flat[edge]) for edge in edges[sharp]),
     ]
 
 

@@ -14,6 +14,7 @@ import sympy
 
 from codegen.declare.drawn_pose import SMALL, attitude_of_axes, attitude_of_vector
 from codegen.declare.space_body import UPRIGHT, SpaceBody, SpaceGround
+from codegen.drawing.meshes import Mesh
 from codegen.elements.scalar_measures import is_constant
 from codegen.errors import ModelError
 from codegen.model.space_joints import SpaceJoints
@@ -30,7 +31,7 @@ class SpaceModel(SpaceJoints):
 
     def body(  # type: ignore[override]
         self, name: str, mass: Any = None, inertia: Any = None, *, at: Any = (0, 0, 0),
-        axes: Any = None,
+        axes: Any = None, draw: Any = None,
     ) -> SpaceBody:  # fmt: skip
         """A rigid body with its centre of mass at its origin.
 
@@ -47,6 +48,9 @@ class SpaceModel(SpaceJoints):
             The body's axes at the drawing: two of them, x' and y', in global numbers, of which y'
             is made perpendicular to x'; or a rotation vector, whose length is the angle in rad; or
             Euler parameters, four numbers. By default the global axes.
+        draw
+            What draws the body in its frame: an `extruded` outline, a mesh by `read_mesh`, or a
+            list of them. Otherwise the picture follows from joints and inertia.
         """
         where = f"body '{name}'"
         m = self._positive(mass, "kg", f"mass of {where}")
@@ -58,7 +62,14 @@ class SpaceModel(SpaceJoints):
         j = None if inertia is None else self._inertia(inertia, f"inertia of {where}")
         place = self._vector(at, "m", f"{where}: at")
         attitude = self._attitude(axes, f"{where}: axes")
-        return self._declare(SpaceBody(name, m, j, self.token, place=place, attitude=attitude))
+        forms = self._forms(draw, f"{where}: draw")
+        return self._declare(
+            SpaceBody(name, m, j, self.token, place=place, attitude=attitude, forms=forms)
+        )
+
+    def draw_ground(self, draw: Any) -> None:
+        """Draw a frame, a cylinder or the like as part of the ground: forms as in `body`."""
+        object.__setattr__(self.ground, "forms", self._forms(draw, "ground: draw"))
 
     # -- reading -----------------------------------------------------------------------------
 
@@ -69,6 +80,17 @@ class SpaceModel(SpaceJoints):
 
     def _quantities(self) -> list[str]:
         return [*super()._quantities(), *(f"{b}.{spin}" for b in self.bodies for spin in SPINS)]
+
+    def _forms(self, given: Any, where: str) -> tuple[Mesh, ...]:
+        """The forms that draw a body."""
+        forms = tuple(given) if isinstance(given, list | tuple) else (given,) * (given is not None)
+        if all(isinstance(form, Mesh) for form in forms):
+            return forms
+        self._note(
+            f"{where} is {shown(given)}; give what extruded or read_mesh returns, as "
+            "extruded(disc(0.1), 0.02), or a list of such forms."
+        )
+        return ()
 
     def _inertia(self, value: Any, where: str) -> sympy.ImmutableMatrix:
         """J' from three, six or nine numbers; the unit matrix stands in for others."""
@@ -121,12 +143,12 @@ ELEMENTS = (
     "revolute_cylindrical, revolute_translational, screw, gear, rack_and_pinion, constraint, "
     "driver, rotation_driver, translation_driver, point_driver, distance_driver, gravity, force, "
     "torque, spring, torsion_spring, line_force, potential, generalized_force, contact, stop, "
-    "release and engage"
+    "release, engage and draw_ground"
 )
 """What a machine in space may be declared with, in words."""
 REFUSED = (
     *("absolute", "belt", "bushing", "cam_flat_follower", "cam_follower", "clearance_joint"),
-    *("coupler", "curve_through", "draw_ground", "dry_friction", "elastic_belt", "friction"),
+    *("coupler", "curve_through", "dry_friction", "elastic_belt", "friction"),
     *("gear_with_backlash", "mass_flow", "motor", "one_way_clutch", "particle"),
     *("point_follower", "relative", "relative_driver", "rolling_disc"),
 )

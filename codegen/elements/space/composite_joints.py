@@ -75,7 +75,7 @@ class RevoluteCylindrical(JointWithAxis):
     """
 
     kind = "revolute-cylindrical"
-    form = "shaft"
+    form = "bead"
     countable, facing = ("slide",), ()
     phi, rows = (*ON_LINE, H_I.dot(K_J) - COSINE), ("line_f", "line_g", "cross")
     numbers = ("cosine",)

@@ -295,7 +295,7 @@ class PointOnLine(JointWithAxis):
     """
 
     kind = "point on line"
-    form = "shaft"
+    form = "bead"
     countable, facing = ("slide",), ()
     phi, rows = ON_LINE, ("line_f", "line_g")
 

@@ -36,7 +36,7 @@ from codegen.drawing.picture import (
     Symbol,
 )
 from codegen.drawing.shapes import ContactSide, Course, Place, SpacePlace, places
-from codegen.drawing.solids import solids
+from codegen.drawing.solids import Solid, solids
 from codegen.drawing.space_shapes import Pull, Wrench
 from codegen.drawing.styles import STYLES, Stroke, size_of
 
@@ -254,16 +254,21 @@ class _MachineInSpace(_Machine):
     def more(self) -> Row:
         """Solids, and the usual view."""
         right, up = (axis.tolist() for axis in self.picture.level)
-        found = [
-            one._asdict() | {"matrix": (one.matrix / self.unit).ravel().round(9).tolist()}
-            for one in solids(self.picture)
-        ]
+        found = [self.solid(one) for one in solids(self.picture)]
         view = {"right": right, "up": up, "azimuth": AZIMUTH, "height": HEIGHT}
         return {"solids": found, "view": view}
 
+    def solid(self, one: Solid) -> Row:
+        """A solid; one of triangles has its matrix within its corners."""
+        row: Row = {"form": one.form, "body": one.body, "element": one.element}
+        if one.mesh:
+            corners, triangles = one.mesh.vertices / self.unit, one.mesh.triangles
+            return row | {"corners": rounded(corners), "triangles": triangles.astype(np.float32)}
+        return row | {"matrix": (one.matrix / self.unit).ravel().round(9).tolist()}
+
     def path(self, points: Any) -> list[Any]:
         """Components of points over time."""
-        return [np.asarray(c) for c in np.moveaxis(points / self.unit, -1, 0)]
+        return [rounded(c) for c in np.moveaxis(points / self.unit, -1, 0)]
 
     def place(self, place: Any) -> Row:
         """A place of a shape."""
@@ -278,7 +283,7 @@ class _MachineInSpace(_Machine):
         body, pose = self.picture.bodies[number], self.picture.poses[:, number].T
         return {
             "name": body.name, "fixed": body.fixed, "area": 0.0, "outlines": [],
-            "pose": [c / self.unit for c in pose[:3]], "turn": [*pose[3:]],
+            "pose": [rounded(c / self.unit) for c in pose[:3]], "turn": [*map(rounded, pose[3:])],
         }  # fmt: skip
 
     def rigid_lines(self) -> Iterator[Row]:
@@ -373,18 +378,20 @@ def in_two(values: FloatArray) -> list[FloatArray]:
 def block(header: dict[str, Any]) -> str:
     """The block as base64. Complex numbers of the header are pairs x, y there, also in arrays."""
     parts: list[npt.NDArray[np.float32]] = []
-    numbers: dict[int, int] = {}  # of an array that stands in several places
+    numbers: dict[bytes, int] = {}  # of an array that stands in several places
 
     def plain(value: Any) -> Any:
         if isinstance(value, complex):
             return [value.real, value.imag]
         if isinstance(value, np.generic):
             return value.item()
-        if id(value) not in numbers:
-            numbers[id(value)] = len(parts)
-            both = [value.real, value.imag] if np.iscomplexobj(value) else [value]
-            parts.append(np.stack(both, axis=-1).ravel().astype("<f4"))
-        return {"array": numbers[id(value)]}
+        both = [value.real, value.imag] if np.iscomplexobj(value) else [value]
+        part = np.stack(both, axis=-1).ravel().astype("<f4")
+        key = part.tobytes()
+        if key not in numbers:
+            numbers[key] = len(parts)
+            parts.append(part)
+        return {"array": numbers[key]}
 
     options: dict[str, Any] = {"ensure_ascii": False, "separators": (",", ":"), "allow_nan": False}
     text = json.dumps(header, default=plain, **options)

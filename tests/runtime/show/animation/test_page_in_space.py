@@ -10,15 +10,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from codegen import Model, disc, extruded
 from models.space.heavy_top import heavy_top
 from runtime import Result, animate, load
-from runtime.show.animation import animation, page_text
+from runtime.show.animation import animation, page_data, page_text
 from runtime.show.animation.animation import TURN, animated, turns
 from tests.runtime.show.animation.conftest import WIDE
 from tests.space.machines import slider_crank
 
 THREE = Path(page_text.__file__).parent / "three"
-SHA256 = "69e98fedee87302f265769a375c4be73834574af04d2c93e79764d2ccb7fc48e"
+SHA256 = "e5b8a32f3c0ad55e1fcb3414a5f551de9656db4c867604185ca2fe9259fbd91a"
 _WEBGL = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 
 
@@ -70,9 +71,8 @@ def test_three_js_is_the_bundle_that_its_text_describes() -> None:
         for file in (THREE.parent / "page" / "space").glob("*.js")
         for name in re.findall(r"globalThis\.THREE\.(\w+)", file.read_text())
     }
-    entry = re.search(r"export \{(.*?)\}", (THREE / "entry.js").read_text(), re.DOTALL)
-    assert entry
-    assert {name.strip() for name in entry[1].split(",") if name.strip()} == used
+    listed = re.findall(r"export \{(.*?)\}", (THREE / "entry.js").read_text(), re.DOTALL)
+    assert {name.strip() for name in ",".join(listed).split(",") if name.strip()} == used
 
 
 def test_pages_in_the_plane_have_nothing_of_space(compressor: Result) -> None:
@@ -235,6 +235,50 @@ def test_both_themes_have_their_colours(page: Any) -> None:
     page.wait_for_function(f"{color} !== {json.dumps(light)}")
     page.keyboard.press("t")
     page.wait_for_function(f"{color} === {json.dumps(light)}")
+
+
+def test_without_a_card_motion_has_fewer_pixels_and_rest_more(page: Any) -> None:
+    """This browser draws by software."""
+    ratio = "player.stages[0].renderer.getPixelRatio()"
+    size = "player.stages[0].renderer.domElement.width / player.camera.width"
+    page.evaluate("player.clock.stopAt(0.1)")
+    page.wait_for_function(f"{ratio} === 2 && Math.abs({size} - 2) < 0.01")
+    page.evaluate("player.clock.play()")
+    page.wait_for_function(f"{ratio} === 0.5 && Math.abs({size} - 0.5) < 0.01")
+    page.evaluate("player.clock.pause()")
+    page.wait_for_function(f"{ratio} === 2")
+
+
+def test_a_body_has_the_form_that_is_given(page: Any, tmp_path: Path) -> None:
+    model = Model("flywheel", space=True, gravity=(0, 0, -9.81))
+    rim = disc(0.4).with_holes(disc(0.2))
+    form = extruded(rim, 0.05, axes=((0, 1, 0), (0, 0, 1)))
+    wheel = model.body("wheel", 2.0, (0.2, 0.1, 0.1), draw=form)
+    model.revolute("axle", model.ground, wheel, at=(0, 0, 0), axis=(1, 0, 0))
+    model.scene("turn", ["gravity"], start={"wheel.omega_x": 3.0})
+    run = load(model, folder=tmp_path).simulate(0.1, progress=False)
+    run.animate(file=tmp_path / "wheel.html")
+    shown = page.context.new_page()
+    shown.goto((tmp_path / "wheel.html").as_uri())
+    shown.wait_for_selector(".player[data-ready=all]")
+    own = "player.stages[0].solids.meshes.find((one) => !one.userData.element)"
+    count = shown.evaluate(f"{own}.geometry.getAttribute('position').count")
+    assert count == 3 * len(form.triangles)
+    shown.evaluate(f"{own}.geometry.computeBoundingBox()")
+    high = shown.evaluate(f"{own}.geometry.boundingBox.max")
+    np.testing.assert_allclose([high[c] for c in "xyz"], [0.025, 0.4, 0.4], atol=1e-5)
+    shown.keyboard.press("x")
+    shown.mouse.click(*screen(shown, "{ body: 1, x: 0, y: 0.3, z: 0 }"))
+    assert shown.locator("#element").input_value() == "wheel"
+    shown.mouse.click(*screen(shown, "{ body: 1, x: 0, y: 0.12, z: 0 }"))  # through the hole
+    assert shown.locator("#element").input_value() == "wheel"  # still
+    shown.close()
+
+
+def test_an_array_that_comes_twice_stands_once() -> None:
+    values = np.sqrt(np.arange(1000.0))
+    once, twice = (page_data.block({"a": [values.copy() for _ in range(k)]}) for k in (1, 2))
+    assert len(twice) < 1.01 * len(once)
 
 
 def test_a_frame_of_thirty_bodies_takes_little_script(page: Any) -> None:

@@ -119,8 +119,9 @@ export class Scene extends PlaneScene {
   }
 }
 
-/** The ends of the axes of a solid in its body, in turn. */
-function ends({ matrix: m }) {
+/** The corners of a solid in its body, or the ends of its axes, in turn. */
+function ends({ corners: own, matrix: m }) {
+  if (own) return [...own];
   return [0, 1, 2].flatMap((axis) => [1, -1].flatMap((sign) => [0, 4, 8].map((row) => m[row + 3] + sign * m[row + axis])));
 }
 

@@ -3,13 +3,14 @@
 const WIRE = 0.16; // radius of a coil's wire over that of the coil
 const COILS = 8;
 const ROD = 0.35; // radius of a rod, in half widths of a spring
+const SHARP = 0.55; // rad between triangles at whose edge a mesh is not smooth
 const PALE = 0.22; // share of a body's fill in its colour
 
 /** Unit forms: radius 1, along z from -1 to 1. */
 function formsOf() {
   return {
-    ball: new globalThis.THREE.SphereGeometry(1, 24, 14),
-    cylinder: new globalThis.THREE.CylinderGeometry(1, 1, 2, 40).rotateX(Math.PI / 2),
+    ball: new globalThis.THREE.SphereGeometry(1, 20, 12),
+    cylinder: new globalThis.THREE.CylinderGeometry(1, 1, 2, 24).rotateX(Math.PI / 2),
     box: new globalThis.THREE.BoxGeometry(2, 2, 2),
   };
 }
@@ -28,12 +29,13 @@ export function buildSolids(scene) {
     meshes.push(mesh);
     return mesh;
   };
-  for (const { form, body, matrix, element } of scene.run.solids) {
+  for (const solid of scene.run.solids) {
+    const { form, body, matrix, element } = solid;
     const ground = scene.bodies[body].fixed;
     const color = ground ? "ground" : element ? "joint" : scene.number(body);
-    const mesh = add(bodies[body], forms[form], color, { element, body });
+    const mesh = add(bodies[body], forms[form] ?? geometryOf(solid), color, { element, body });
     mesh.matrixAutoUpdate = false;
-    mesh.matrix.set(...matrix, 0, 0, 0, 1);
+    if (matrix) mesh.matrix.set(...matrix, 0, 0, 0, 1);
   }
   const links = scene.links.map((link) => {
     const group = new globalThis.THREE.Group();
@@ -56,6 +58,14 @@ export function buildSolids(scene) {
   return { root, meshes, update, paint: painter(scene, meshes) };
 }
 
+/** The surface of triangles that a modeller gave. */
+function geometryOf({ corners, triangles }) {
+  const geometry = new globalThis.THREE.BufferGeometry();
+  geometry.setAttribute("position", new globalThis.THREE.BufferAttribute(corners, 3));
+  geometry.setIndex([...triangles]);
+  return globalThis.THREE.toCreasedNormals(geometry, SHARP);
+}
+
 function lengthOf(scene, { i, j }) {
   const [a, b] = [scene.place(i), scene.place(j)];
   return Math.hypot(b.x - a.x, b.y - a.y, b.z - a.z);
@@ -63,7 +73,7 @@ function lengthOf(scene, { i, j }) {
 
 /** Parts of a link of length 1 along z, which is scaled to its length. */
 function buildLink(part, kind, width, long, several) {
-  const tube = (radius, from, to) => new globalThis.THREE.CylinderGeometry(radius, radius, to - from, 20)
+  const tube = (radius, from, to) => new globalThis.THREE.CylinderGeometry(radius, radius, to - from, 16)
     .rotateX(Math.PI / 2).translate(0, 0, (from + to) / 2);
   if (kind === "rod") part(tube(ROD * width, 0, 1), "joint");
   else if (kind === "spring") {

@@ -1,0 +1,95 @@
+"""Forms that draw bodies in space: extruded outlines, and meshes out of files."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from codegen.declare.drawn_pose import attitude_of_axes, rotation_of
+from codegen.declare.outline_files import drawing_file
+from codegen.declare.outlines import Outline, numbers_of, polygon
+from codegen.drawing.meshes import Mesh, prism
+from codegen.errors import ModelError, module_of_extra
+from codegen.readers.calls import declaring
+from codegen.readers.quantities import UnitError, converted, finite_in_unit
+from codegen.readers.values import KindError, members, shown
+
+MOST = 20_000  # layout: triangles of a mesh; a page has some 10 bytes for each
+ORIGIN, PLANE = (0, 0, 0), ((1, 0, 0), (0, 1, 0))
+
+
+@declaring("extruded")
+def extruded(outline: Any, thickness: Any, at: Any = ORIGIN, axes: Any = PLANE) -> Mesh:
+    """A plate or a rod with an outline, as the form of a body in space.
+
+    Parameters
+    ----------
+    outline
+        `polygon`, `disc`, `rectangle`, `bar`, what `read_outline` returns, each with holes, or the
+        corners of a polygon, m; without parameters.
+    thickness
+        In m, half of it on either side of the outline's plane.
+    at, axes
+        The place of the outline's origin, m, and the directions of its x and y axes, in the frame
+        of the body.
+    """
+    whole = outline if isinstance(outline, Outline) else polygon(outline)
+    height = finite_in_unit(thickness, "m")
+    if height is None or height <= 0.0:
+        raise ModelError(f"thickness is {shown(thickness)}; give a length of more than 0 m.")
+    try:
+        loops = [numbers_of(tuple(loop), {}) for loop in (whole, *whole.holes)]
+    except KindError as error:
+        raise ModelError("the outline of a form contains parameters; give numbers.") from error
+    return _placed(prism(loops, height), at, axes)
+
+
+@declaring("read_mesh")
+def read_mesh(file: str | Path, unit: str, at: Any = ORIGIN, axes: Any = PLANE) -> Mesh:
+    """The surface in an STL or OBJ file, as the form of a body in space; it has no mass.
+
+    trimesh reads the file, whose changes make builds stale.
+
+    Parameters
+    ----------
+    file
+        Its path ends in ``.stl`` or ``.obj``; model files write ``Path(__file__).parent / name``.
+    unit
+        Of the file's numbers, such as ``"mm"``: these files do not say it.
+    at, axes
+        As of `extruded`.
+    """
+    path = drawing_file(file, (".stl", ".obj"))
+    try:
+        scale = float(converted(1.0, unit, "m"))
+    except UnitError as misfit:
+        raise ModelError(f"{path.name}, unit: {misfit}") from misfit
+    reader = module_of_extra("trimesh", "meshes", "Meshes need trimesh")
+    try:
+        read = reader.load_mesh(path, file_type=path.suffix.lower()[1:])
+        vertices, faces = np.asarray(read.vertices, float), np.asarray(read.faces)
+    except Exception as error:  # the readers of trimesh raise many kinds
+        raise ModelError(f"{path.name} cannot be read: {error}") from error
+    if not 0 < len(faces) <= MOST or not np.isfinite(vertices).all():
+        raise ModelError(
+            f"{path.name} has {len(faces)} triangles; give a file with 1 to {MOST} and finite "
+            "corners, for which a page has room: trimesh's simplify_quadric_decimation writes one."
+        )
+    return _placed(Mesh(scale * vertices, faces), at, axes)
+
+
+def _placed(mesh: Mesh, at: Any, axes: Any) -> Mesh:
+    try:
+        origin, x, y = (
+            np.array([finite_in_unit(c, "m") for c in members(one, 3)], dtype=float)
+            for one in (at, *members(axes, 2))
+        )
+        attitude = attitude_of_axes(x, y) if np.isfinite(origin).all() else None
+    except KindError:
+        attitude = None
+    if attitude is None:
+        raise ModelError(
+            f"at is {shown(at)}, axes is {shown(axes)}; give a place, three numbers, and two "
+            "directions that are not parallel."
+        )
+    return Mesh(origin + mesh.vertices @ rotation_of(attitude).T, mesh.triangles)
