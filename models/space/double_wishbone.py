@@ -26,9 +26,10 @@ bounce
     The wheel carries a quarter of the car, and is let go below its rest.
 """
 
+import numpy as np
 from sympy import asin, atan2, pi, sin
 
-from codegen import Model, t
+from codegen import Model, disc, extruded, t
 
 model = Model("double_wishbone", space=True, gravity=(0, 0, -9.81))
 
@@ -42,9 +43,36 @@ lower_axis, upper_axis = (0.35, 0.0, -0.02), (0.27, 0.0, 0.02)
 lower_hinge, upper_hinge = (-0.02, 0.35, 0.21), (-0.02, 0.42, 0.47)
 wheel_centre, rack_end = (0.0, 0.80, 0.32), (-0.12, 0.36, 0.27)
 
-lower = model.body("lower", 4.0, (0.05, 0.04, 0.08), at=(-0.01, 0.58, 0.19))
-upper = model.body("upper", 2.0, (0.02, 0.01, 0.03), at=(-0.02, 0.58, 0.485))
-upright = model.body("upright", 30.0, (0.8, 1.2, 0.8), at=wheel_centre)
+
+def between(centre, *pairs):
+    """Rods between places of the drawing, in the frame of a body with this centre of mass."""
+    for start, end in (np.array(pair) - centre for pair in pairs):
+        along = end - start
+        across = np.cross(along, np.eye(3)[np.argmin(abs(along))])
+        long = float(np.linalg.norm(along))
+        yield extruded(disc(0.013), long, (start + end) / 2, (across, np.cross(along, across)))
+
+
+def legs(hinge, axis, ball, centre):
+    """The form of a wishbone: two legs, from either end of its hinge to the ball joint."""
+    ends = [[p + side * 0.5 * u for p, u in zip(hinge, axis, strict=True)] for side in (-1, 1)]
+    return [*between(centre, (ends[0], ball), (ends[1], ball), ends)]
+
+
+at_lower, at_upper = (-0.01, 0.58, 0.19), (-0.02, 0.58, 0.485)
+tyre = extruded(disc(0.32).with_holes(disc(0.2)), 0.18, axes=((1, 0, 0), (0, 0, 1)))
+spokes = between(
+    wheel_centre,
+    (lower_outer, upper_outer),
+    (tie_outer, wheel_centre),
+    ((0, 0.8, 0.12), (0, 0.8, 0.52)),
+    ((-0.2, 0.8, 0.32), (0.2, 0.8, 0.32)),
+)
+lower = model.body("lower", 4.0, (0.05, 0.04, 0.08), at=at_lower,
+                   draw=legs(lower_hinge, lower_axis, lower_outer, at_lower))  # fmt: skip
+upper = model.body("upper", 2.0, (0.02, 0.01, 0.03), at=at_upper,
+                   draw=legs(upper_hinge, upper_axis, upper_outer, at_upper))  # fmt: skip
+upright = model.body("upright", 30.0, (0.8, 1.2, 0.8), at=wheel_centre, draw=[tyre, *spokes])
 rack = model.body("rack", 2.0, (0.06, 1e-3, 0.06), at=(-0.12, 0.0, 0.27))
 
 model.revolute("lower_hinge", model.ground, lower, at=lower_hinge, axis=lower_axis)

@@ -18,7 +18,7 @@ inverse_dynamics
 
 from sympy import pi, sin
 
-from codegen import Model, t
+from codegen import Model, bar, disc, extruded, rectangle, t
 
 model = Model("scara", space=True, gravity=(0, 0, -9.81))
 
@@ -26,9 +26,15 @@ model = Model("scara", space=True, gravity=(0, 0, -9.81))
 payload = model.parameter("payload", 3.0, unit="kg", sign="nonnegative")
 speed = model.parameter("speed", float(2 * pi), unit="rad/s")
 
-inner = model.body("inner", 6.0, (0.02, 0.12, 0.13), at=(0.2, 0, 0.5))
-outer = model.body("outer", 4.0, (0.02, 0.06, 0.06), at=(0.55, 0, 0.52))
-quill = model.body("quill", 1.0 + payload, (0.02, 0.02, 4e-3), at=(0.75, 0.01, 0.4))
+inner = model.body("inner", 6.0, (0.02, 0.12, 0.13), at=(0.2, 0, 0.5),
+                   draw=extruded(bar(0.4, 0.11, (-0.2, 0)), 0.05))  # fmt: skip
+outer = model.body("outer", 4.0, (0.02, 0.06, 0.06), at=(0.55, 0, 0.52),
+                   draw=extruded(bar(0.35, 0.09, (-0.15, 0)), 0.05, at=(0, 0, 0.04)))  # fmt: skip
+quill = model.body("quill", 1.0 + payload, (0.02, 0.02, 4e-3), at=(0.75, 0.01, 0.4),
+                   draw=[extruded(disc(0.014), 0.52, (0, -0.01, 0.06)),
+                         extruded(rectangle(0.09, 0.04), 0.04, at=(0, -0.01, -0.21))])  # fmt: skip
+model.draw_ground([extruded(disc(0.055), 0.47, (0, 0, 0.235)),
+                   extruded(rectangle(0.26, 0.26), 0.03)])  # fmt: skip
 
 shoulder = model.revolute("shoulder", model.ground, inner, at=(0, 0, 0.5), axis=(0, 0, 1))
 elbow = model.revolute("elbow", inner, outer, at=(0.4, 0, 0.5), axis=(0, 0, 1))

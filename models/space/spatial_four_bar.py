@@ -27,7 +27,7 @@ inverse_dynamics, inverse_dynamics_without_link
 
 from sympy import pi
 
-from codegen import Model, t
+from codegen import Model, disc, extruded, t
 
 model = Model("spatial_four_bar", space=True, gravity=(0, 0, -9.81))
 
@@ -38,7 +38,9 @@ speed = model.parameter("speed", float(pi), unit="rad/s")
 B, D = (0, 0, 2), (-4, -8.5, 0)
 BC, DC = (-7.491, -8.5, 4.525), (-3.491, 0, 6.525)
 cross = (0.75, -0.662, 0)  # the axis of the universal joint on the wheel
-wheel = model.body("wheel", 2.0, (4.0, 2.0, 2.0))
+rim = disc(2.2).with_holes(*(disc(0.5, place) for place in ((1, 0), (-1, 0), (0, -1), (0, 1))))
+wheel = model.body("wheel", 2.0, (4.0, 2.0, 2.0),
+                   draw=extruded(rim, 0.15, axes=((0, 1, 0), (0, 0, 1))))  # fmt: skip
 link = model.body("link", 1.0, (12.4, 0.01, 12.4), at=(-3.7455, -4.25, 4.2625), axes=(cross, BC))
 rocker = model.body("rocker", 1.0, (4.54, 0.01, 4.54), at=(-5.7455, -8.5, 3.2625),
                     axes=((0, 1, 0), DC))  # fmt: skip

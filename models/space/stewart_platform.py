@@ -24,7 +24,7 @@ springs
 
 from sympy import cos, pi, sin, sqrt
 
-from codegen import Model, t
+from codegen import Model, disc, extruded, t
 
 model = Model("stewart_platform", space=True, gravity=(0, 0, -9.81))
 
@@ -35,7 +35,9 @@ stiffness = model.parameter("stiffness", 2e4, unit="N/m", sign="nonnegative")
 damping = model.parameter("damping", 200.0, unit="N s/m", sign="nonnegative")
 
 height = 0.7
-plate = model.body("plate", mass, (1.3, 1.1, 2.3), at=(0, 0, height))
+plate = model.body("plate", mass, (1.3, 1.1, 2.3), at=(0, 0, height),
+                   draw=extruded(disc(0.4), 0.03, at=(0, 0, 0.02)))  # fmt: skip
+model.draw_ground(extruded(disc(0.72), 0.03, at=(0, 0, -0.1)))
 legs = []
 for k in range(6):
     middle, side = 2 * pi / 3 * (k // 2), (-1) ** k

@@ -28,28 +28,35 @@ kinematics
 
 from sympy import cos, pi, sin
 
-from codegen import Model, t
+from codegen import Model, disc, extruded, t
 
 model = Model("swash_plate_compressor", space=True)
 
 # Parameters may change from run to run without a new build.
 tilt = model.parameter("tilt", float(pi / 6), unit="rad")
 speed = model.parameter("speed", float(20 * pi), unit="rad/s")
-rod = model.parameter("rod", 0.5, unit="m", sign="positive")
+length = model.parameter("rod", 0.5, unit="m", sign="positive")
 
 radius, count = 0.2, 6
-shaft, hub, disc = model.body("shaft", at=(0, 0, -0.2)), model.body("hub"), model.body("disc")
+shaft = model.body("shaft", at=(0, 0, -0.2), draw=extruded(disc(0.02), 0.3, (0, 0, 0.05)))
+hub = model.body("hub", draw=extruded(disc(0.05), 0.08))
+plate = model.body("disc", draw=extruded(disc(0.24).with_holes(disc(0.052)), 0.02))
 turning = model.revolute("bearing", model.ground, shaft, at=(0, 0, -0.2), axis=(0, 0, 1))
 tilting = model.revolute("tilting", shaft, hub, at=(0, 0, 0), axis=(0, 1, 0))
-model.revolute("turning", hub, disc, at=(0, 0, 0), axis=(0, 0, 1))
-model.constraint("cross", disc.A[0, 1])  # x of the housing and y' of the disc are perpendicular
+model.revolute("turning", hub, plate, at=(0, 0, 0), axis=(0, 0, 1))
+model.constraint("cross", plate.A[0, 1])  # x of the housing and y' of the disc are perpendicular
 
+bores = []
 for k in range(count):
     place = 2 * pi * k / count + pi / 2
     x, y = radius * cos(place), radius * sin(place)
-    piston = model.body(f"piston_{k + 1}", at=(x, y, 0.5))
+    piston = model.body(f"piston_{k + 1}", at=(x, y, 0.5), draw=extruded(disc(0.045), 0.07))
     model.translational(f"cylinder_{k + 1}", model.ground, piston, at=(x, y, 0.5), axis=(0, 0, 1))
-    model.distance(f"rod_{k + 1}", disc.at(x, y, 0), piston, rod)
+    model.distance(f"rod_{k + 1}", plate.at(x, y, 0), piston, length)
+
+    cylinder = disc(0.06).with_holes(disc(0.048))
+    bores.append(extruded(cylinder, 0.16, at=(float(x), float(y), 0.66)))
+model.draw_ground(bores)
 
 model.rotation_driver("drive", turning, speed * t)
 model.rotation_driver("tilted", tilting, tilt)
