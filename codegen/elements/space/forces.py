@@ -1,6 +1,7 @@
 """Forces in space: gravity, given forces and torques, springs and dampers of a joint's angle."""
 
-from typing import Literal
+from dataclasses import replace
+from typing import Literal, TypeVar
 
 import sympy
 
@@ -17,6 +18,7 @@ from codegen.elements.registry import element
 
 NEWTONS, TORQUES = ("N",) * 3, ("N m",) * 3
 Three = tuple[sympy.Expr, ...]
+_Given = TypeVar("_Given", "ForceInSpace", "TorqueInSpace")
 
 
 @element(space=True)
@@ -60,6 +62,10 @@ class ForceInSpace(Effect):
         pairs = zip(body.coordinates[:3], outer, strict=True)
         return {q: f for q, f in pairs if f != 0} | body.torque(torque)
 
+    def exerting(self, value: sympy.Expr) -> "ForceInSpace | None":
+        """The force whose only component is that value; None where it has others."""
+        return _exerting(self, value)
+
     def measures(self, bodies: Bodies) -> Measures:
         """F, in the axes in which it is given."""
         return _components("force", "f", "N", self.value)
@@ -87,6 +93,10 @@ class TorqueInSpace(Effect):
         """The torque about the body's axes."""
         value = sympy.Matrix(self.value)
         return self.body.torque(value if self.frame == "body" else self.body.A.T * value)
+
+    def exerting(self, value: sympy.Expr) -> "TorqueInSpace | None":
+        """The torque whose only component is that value; None where it has others."""
+        return _exerting(self, value)
 
     def measures(self, bodies: Bodies) -> Measures:
         """The torque, in the axes in which it is given."""
@@ -127,6 +137,16 @@ class TorsionSpringInSpace(SpringDamper):
     def scalar(self) -> tuple[sympy.Expr, sympy.Expr]:
         """θ and θ0."""
         return self.angle, self.free_angle
+
+    def exerting(self, value: sympy.Expr) -> "TorsionSpringInSpace | None":
+        """The same with that actuator, beside the spring and the damper; None without one."""
+        return None if self.actuator == 0 else replace(self, actuator=value)
+
+
+def _exerting(effect: _Given, value: sympy.Expr) -> _Given | None:
+    if sum(component != 0 for component in effect.value) != 1:
+        return None
+    return replace(effect, value=tuple(value if c != 0 else c for c in effect.value))
 
 
 def _components(quantity: str, letter: str, unit: str, value: Three) -> Measures:
