@@ -15,7 +15,7 @@ from pathlib import Path
 
 from benchmarks import linkwright_runs
 from benchmarks.precision import Point, best_time, time_to
-from benchmarks.problems import PROBLEMS, Problem
+from benchmarks.problems import IN_SPACE, PROBLEMS, Problem
 
 ROOT = Path(__file__).resolve().parent.parent
 TARGETS = (1e-6, 1e-9)
@@ -35,10 +35,13 @@ class Peer:
 
 
 LOOPS = tuple(name for name in PROBLEMS if name.startswith("n_four_bar_"))
+SPACE = tuple(problem.name for problem in IN_SPACE)
 PEERS = {
-    "exudyn": Peer("exudyn", True, ("slider_crank", "andrews", *LOOPS, "chain_10", "chain_100")),
-    "pinocchio": Peer("pin", True, ("slider_crank", "chain_10")),
-    "mujoco": Peer("mujoco", True, ("slider_crank", "chain_10", "chain_100")),
+    "exudyn": Peer(
+        "exudyn", True, ("slider_crank", "andrews", *LOOPS, "chain_10", "chain_100", *SPACE)
+    ),
+    "pinocchio": Peer("pin", True, ("slider_crank", "chain_10", *SPACE)),
+    "mujoco": Peer("mujoco", True, ("slider_crank", "chain_10", "chain_100", *SPACE)),
     "pydy": Peer("pydy cython", True, ("slider_crank",)),
     "scipy": Peer("scipy sympy", False, ("slider_crank", "andrews")),
     "casadi": Peer("casadi", False, ("slider_crank", "andrews", "chain_10")),
@@ -150,7 +153,8 @@ def _carry_over(name: str, before: Contest, contest: Contest) -> None:
 def run_peer(name: str, problem: Problem, python: str, contest: Contest) -> None:
     """Run the process of a tool and collect its points."""
     settings = {**os.environ, **dict.fromkeys(THREADS, "1"), "PYTHONPATH": str(ROOT)}
-    command = [python, "-m", f"benchmarks.peers.{name}", problem.name]
+    package = "benchmarks.peers.space" if problem.name in SPACE else "benchmarks.peers"
+    command = [python, "-m", f"{package}.{name}", problem.name]
     try:
         done = subprocess.run(
             command, cwd=ROOT, env=settings, capture_output=True, timeout=LIMIT, check=False

@@ -7,6 +7,7 @@ the processor time of its integration, which other processes do not lengthen.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from benchmarks.floor import chain as floor_chain
 from benchmarks.floor import slider_crank as floor_crank
 from benchmarks.precision import Point
 from benchmarks.problems import PROBLEMS, Problem
+from benchmarks.space_machines import Platform
 from codegen.reading.model_file import read_model
 from models.hard.andrews import model as squeezer
 from models.hard.n_four_bar import n_four_bar
@@ -35,13 +37,14 @@ Floor = Callable[[float], tuple[Sequence[float], int, int]]
 
 @dataclass(frozen=True)
 class Entry:
-    """A problem with its machine, the compared angles, and its floors by name."""
+    """A problem with its machine, the compared coordinates, and its floors by name."""
 
     problem: Problem
     declare: Callable[[Path], Machine]
     angles: tuple[str, ...]
     formulations: tuple[str, ...] = FORMULATIONS
     start: tuple[tuple[str, float], ...] = ()
+    parameters: tuple[tuple[str, float], ...] = ()
     floors: tuple[tuple[str, Floor], ...] = ()
 
 
@@ -54,6 +57,24 @@ def slider_crank(folder: Path) -> Machine:
 def of_loops(loops: int) -> Callable[[Path], Machine]:
     """The parallel four-bars in a row."""
     return lambda folder: load(n_four_bar(loops), "fall", folder=folder)
+
+
+def in_space(name: str, scene: str = "") -> Callable[[Path], Machine]:
+    """A machine of `models/space`; without a scene its first one, without drivers."""
+
+    def declare(folder: Path) -> Machine:
+        model = import_module(f"models.space.{name}").model
+        if scene:
+            return load(model, scene, folder=folder)
+        first = next(iter(model.scenes.values()))
+        return load(model, first.without(*first.drivers), folder=folder)
+
+    return declare
+
+
+def centre(body: str) -> tuple[str, ...]:
+    """The coordinates of a body's centre of mass."""
+    return tuple(f"{body}.{c}" for c in "xyz")
 
 
 def one(answer: Callable[[float], tuple[float, int, int]]) -> Floor:
@@ -107,6 +128,23 @@ ENTRIES = {
     },
     "chain_10": CHAIN,
     "chain_100": LONG_CHAIN,
+    "bricard": Entry(PROBLEMS["bricard"], in_space("bricard", "fall"), centre("b3")),
+    "spatial_slider_crank": Entry(
+        PROBLEMS["spatial_slider_crank"], in_space("spatial_slider_crank", "free"), centre("rod")
+    ),
+    "stewart_platform": Entry(
+        PROBLEMS["stewart_platform"],
+        in_space("stewart_platform", "springs"),
+        centre("plate"),
+        start=(
+            *zip(centre("plate"), Platform.place, strict=True),
+            *zip(("plate.e1", "plate.e2", "plate.e3"), Platform.vector, strict=True),
+        ),
+        parameters=(("damping", 0.0),),
+    ),
+    "six_revolute_arm": Entry(
+        PROBLEMS["six_revolute_arm"], in_space("six_revolute_arm"), centre("tool")
+    ),
 }
 
 
@@ -118,6 +156,7 @@ def simulated(entry: Entry, machine: Machine, formulation: str, tolerance: float
         rtol=tolerance,
         formulation=formulation,  # type: ignore[arg-type]  # one of the two words
         start=dict(entry.start) or None,
+        parameters=dict(entry.parameters) or None,
         progress=False,
     )
     return run, float(run.stats["integration_seconds"]) * 1e3

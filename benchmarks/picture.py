@@ -28,8 +28,9 @@ def draw(contest: Contest, path: Path) -> Path:
 
     figure = Figure(figsize=(8.6, 5.6), dpi=130, layout="constrained")
     axes = figure.add_subplot()
-    axes.set(xscale="log", yscale="log", xlabel="error, rad", ylabel="time, ms")
+    axes.set(xscale="log", yscale="log", ylabel="time, ms")
     problem, labels = PROBLEMS[contest.problem], []
+    axes.set_xlabel(f"error, {problem.unit}")
     for (name, method), points in series(contest.points).items():
         line = [(e, t) for e, t in reliable(points) if e <= 1.0]
         if not line or (name in PEERS and method != best_method(contest, name)):

@@ -1,8 +1,8 @@
 """The problems on which machines are compared at equal error, and what their answers are.
 
-An answer is one or several angles at the end of a run, and the error is the largest difference
-from the reference, rad. Nothing here needs the program that is measured, so that a contestant in
-another environment reads the same.
+An answer is one or several angles at the end of a run, or a point in space, and the error is the
+largest difference from the reference, rad or m. Nothing here needs the program that is measured, so
+that a contestant in another environment reads the same.
 """
 
 import json
@@ -27,9 +27,11 @@ class Problem:
     duration
         s.
     reference
-        The angles at the end, rad.
+        The angles at the end, rad, or the coordinates of a point, m.
     trusted
-        How far the reference can be trusted, rad; no error below it is told from it.
+        How far the reference can be trusted; no error below it is told from it.
+    unit
+        Of all of them.
     """
 
     name: str
@@ -37,9 +39,10 @@ class Problem:
     duration: float
     reference: tuple[float, ...]
     trusted: float
+    unit: str = "rad"
 
     def error(self, answer: Sequence[float]) -> float:
-        """Largest difference from the reference, rad; infinite where it is not a number."""
+        """Largest difference from the reference; infinite where it is not a number."""
         differences = [abs(a - r) for a, r in zip(answer, self.reference, strict=True)]
         return max(differences) if all(map(math.isfinite, differences)) else math.inf
 
@@ -97,7 +100,52 @@ LONG_CHAIN = Problem(
     1e-11,
 )
 LOOPS = (2, 5, 10, 40)
+# Machines in space, by the program at 1e-14 in both formulations. To what is trusted agree: the
+# dense Newton-Euler equations of the tests, by SciPy, with Bricard's linkage, the platform and the
+# arm; a solution of Bricard's linkage in one coordinate; Pinocchio's tree with a loop with the
+# slider-crank, and MuJoCo's trees with the platform and the arm to 2e-13.
+IN_SPACE = (
+    Problem(
+        "bricard",
+        "Bricard's linkage, 9 s, centre of bar 3",
+        9.0,
+        (0.4158369373175, -1.2639112257588, -0.1497272183454),
+        2e-12,
+        "m",
+    ),
+    Problem(
+        "spatial_slider_crank",
+        "spatial slider-crank, free, 5 s, centre of the rod",
+        5.0,
+        (0.1118744009069, 0.0879631289326, 0.0473983794038),
+        1e-12,
+        "m",
+    ),
+    Problem(
+        "stewart_platform",
+        "Stewart platform on six springs, 2 s, centre of the plate",
+        2.0,
+        (-0.0019445412955, 0.0205434204278, 0.7193026188358),
+        1e-13,
+        "m",
+    ),
+    Problem(
+        "six_revolute_arm",
+        "arm with six hinges, let go, 2 s, centre of the tool",
+        2.0,
+        (0.7162779049437, -0.0938617032768, 0.7497786865586),
+        1e-11,
+        "m",
+    ),
+)
 PROBLEMS = {
     problem.name: problem
-    for problem in (SLIDER_CRANK, ANDREWS, *(n_four_bar(n) for n in LOOPS), CHAIN, LONG_CHAIN)
+    for problem in (
+        SLIDER_CRANK,
+        ANDREWS,
+        *(n_four_bar(n) for n in LOOPS),
+        CHAIN,
+        LONG_CHAIN,
+        *IN_SPACE,
+    )
 }

@@ -1,0 +1,1 @@
+"""The tools that take a mechanism, on machines in space."""
