@@ -321,6 +321,15 @@ def places(shape: Shape) -> list[Any]:
     return [value for value in values if isinstance(value, Place | SpacePlace)]
 
 
+def is_finite(shape: Shape) -> bool:
+    """Whether all places and numbers of a shape are finite."""
+    values = [getattr(shape, field.name) for field in fields(shape)]
+    numbers = [value for value in values if isinstance(value, float)]
+    numbers += [number for place in places(shape) for number in place]
+    curves = [value.points for value in values if isinstance(value, Course)]
+    return bool(np.isfinite(np.concatenate([numbers, *curves])).all())
+
+
 def changed(change: Callable[..., Any], first: OneShape, *others: OneShape) -> OneShape:
     """The first of several alike shapes, each of its numbers the result of those of all."""
     values: dict[str, Any] = {}

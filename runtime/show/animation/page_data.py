@@ -14,7 +14,6 @@ import base64
 import gzip
 import json
 from collections.abc import Iterable, Iterator, Set
-from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,7 +34,7 @@ from codegen.drawing.picture import (
     SpacePicture,
     Symbol,
 )
-from codegen.drawing.shapes import ContactSide, Course, Place, SpacePlace, places
+from codegen.drawing.shapes import ContactSide, Place, SpacePlace, is_finite, places
 from codegen.drawing.solids import Solid, solids
 from codegen.drawing.space_shapes import Pull, Wrench
 from codegen.drawing.styles import STYLES, Stroke, size_of
@@ -79,7 +78,7 @@ def machine_data(
         "acts": machine.spans(),
         "bodies": [machine.body(number) for number in range(len(picture.bodies))],
         "strokes": [*machine.rigid_lines(), *machine.surfaces()],
-        "symbols": [machine.symbol(one, still) for one, still in both if _is_finite(still.shape)],
+        "symbols": [machine.symbol(one, still) for one, still in both if is_finite(still.shape)],
         "arrows": list(machine.arrows(series or {})),
         "events": [machine.with_place(mark) for mark in marks],
         **machine.more(),
@@ -322,15 +321,6 @@ class _MachineInSpace(_Machine):
     def components(self, load: Load) -> Iterable[FloatArray]:
         """Along the global axes."""
         return np.broadcast_to(load.value, (len(self.picture.poses), 3)).T
-
-
-def _is_finite(shape: shapes.Shape) -> bool:
-    """Whether all places and numbers of a shape are finite: the page leaves others out."""
-    values = [getattr(shape, field.name) for field in fields(shape)]
-    numbers = [value for value in values if isinstance(value, float)]
-    numbers += [number for place in places(shape) for number in place]
-    curves = [value.points for value in values if isinstance(value, Course)]
-    return bool(np.isfinite(np.concatenate([numbers, *curves])).all())
 
 
 def event_marks(result: "Result") -> list[Row]:
