@@ -14,7 +14,9 @@
 Benchmark A05 of the IFToMM technical committee for multibody dynamics. Shaft and rods are of 1 ×
 0.01 × 0.01 m, the slider is a cube of 0.1 m, all of 3000 kg/m³. Springs of 8e5 N/m with dampers of
 4e4 N s/m and a free length of 0.5 m join the slider's faces and the middles of the rods. The
-springs are much faster than the governor, so that implicit methods take far fewer steps.
+springs are much faster than the governor, so that implicit methods take far fewer steps. The angle
+of the bearing, an output, is then integrated in the place of a coordinate that swings in each turn,
+which makes the errors of fast runs several times smaller.
 
 Scenes
 ------
@@ -41,7 +43,7 @@ across = slim / 12 * (1 + 1e-4) + slim * (centre - 0.5) ** 2 + tip * (1 - centre
 
 shaft = model.body("shaft", slim, (slim / 12 * (1 + 1e-4),) * 2 + (turning,), at=(0, 0, 0.5))
 slider = model.body("slider", 3.0, (3.0 / 12 * 2e-2,) * 3, at=(0, 0, 0.5))
-model.revolute("bearing", model.ground, shaft, at=(0, 0, 0), axis=(0, 0, 1))
+bearing = model.revolute("bearing", model.ground, shaft, at=(0, 0, 0), axis=(0, 0, 1))
 model.translational("guide", shaft, slider, at=(0, 0, 0.5), axis=(0, 0, 1))
 springs = []
 for k, side in enumerate((1, -1), 1):
@@ -54,6 +56,6 @@ for k, side in enumerate((1, -1), 1):
                                 rod.at(0.5 - centre, 0, 0), stiffness=stiffness, free_length=0.5,
                                 damping=damping))  # fmt: skip
 
-model.scene("run", ["gravity", *springs],
+model.scene("run", ["gravity", *springs], outputs=["default", bearing.angle],
             start={"shaft.omega_z": 2 * pi, "slider.z": 0.5, "slider.vz": 0.0, "rod1.omega_y": 0.0,
                    "rod2.omega_y": 0.0})  # fmt: skip
