@@ -1,16 +1,19 @@
 """Joints of a declaration that are released or engage in the course of a run."""
 
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from itertools import combinations
 from typing import Any
 
 import sympy
 
 from codegen.declare.element import Constraint
+from codegen.declare.returned_values import statement_of
 from codegen.declare.scene import Scene, name_of
 from codegen.declare.state import Connection
-from codegen.declare.symbols import owners
+from codegen.declare.symbols import Coordinate, kinds, owners
 from codegen.elements.forces.mass_flow import MASS_LAW
+from codegen.errors import ModelError
 from codegen.model.base import Declarations
 from codegen.readers.values import nearest, shown
 
@@ -104,7 +107,12 @@ class Connections(Declarations):
         )
 
     def _connecting(self, scene: Scene) -> Iterator[sympy.Expr]:
-        """Conditions of joints that a scene watches, and later ones whose joints act by now."""
+        """What joints that come and go contain in a scene: conditions, coordinates of joints.
+
+        The conditions are those that it watches, and later ones whose joints act by now. What they
+        count is counted throughout a run, also while they do not act.
+        """
+        acting = {*self._present(scene.bodies, scene.inactive_joints, self.joints)}
         gone = {*self.connections} - {*scene.connected}
         for name in self._present(scene.bodies, scene.request.without):
             one = self.connections[name]
@@ -112,6 +120,10 @@ class Connections(Declarations):
             for indicator in filter(None, (one.released, one.engaged)):
                 if indicator is watched or not owners(indicator) & gone:
                     yield indicator
+            with suppress(ModelError):  # reported by `build`
+                statement = statement_of(self.joints[name])
+                parts = sympy.Tuple(*statement.phi, *statement.bindings.values())
+                yield from (q for q in kinds(parts, Coordinate) if owners(q) <= acting)
 
     def _changes(
         self, present: tuple[str, ...], connected: tuple[str, ...]

@@ -98,7 +98,8 @@ class Contacts(Declarations):
         of
             A revolute joint, whose coordinate s is φ_j - φ_i, rad; a translational or
             revolute-translational joint, whose s is the travel of point j from point i along the
-            axis, m; or s itself, an expression of coordinates and parameters.
+            axis, m; in space a joint with an angle or a slide; or s itself, an expression of
+            coordinates and parameters.
         lower, upper
             The limits of s, of which one may be left out.
         stiffness, damping
@@ -112,7 +113,9 @@ class Contacts(Declarations):
             bodies of the scene, in N.
         """
         where = f"stop '{name}'"
+        told = len(self.problems)
         s, unit, bodies = self._limited(where, of)
+        is_known = len(self.problems) == told  # no stand-in
         words: dict[str, Any] = {"name": name, "unit": unit, "on": bodies}
         stiffness = self._one_law(where, stiffness, damping, restitution, typical_force)
         yielding: Stop = self._element(
@@ -122,7 +125,7 @@ class Contacts(Declarations):
         )  # fmt: skip
         if restitution is None:
             return self._declare(yielding)
-        for problem in yielding.problems():
+        for problem in yielding.problems() if is_known else ():
             self._note(problem)
         self._note_violated(where, *yielding.conditions())
         rigid: RigidContact = self._element(
@@ -356,6 +359,9 @@ class Contacts(Declarations):
 
     def _limited(self, where: str, of: Any) -> tuple[sympy.Expr, str, Bodies]:
         """The coordinate that a stop limits, its unit, and the bodies that it is of."""
+        letters: tuple[str, ...] = getattr(of, "countable", ())  # of a joint in space
+        if len(letters) == 1 and self.joints.get(of.name) is of:
+            of = getattr(of, letters[0])
         given: object = of
         if isinstance(given, Revolute | Guide):
             if self.joints.get(given.name) is not given:
@@ -371,10 +377,12 @@ class Contacts(Declarations):
             return given.rubbing().slip, unit, given.bodies
         if isinstance(given, Constraint | str):
             name = shown(given.name if isinstance(given, Constraint) else given)
-            joints = "a revolute, a translational or a revolute-translational joint itself, or "
+            one = "one coordinate" if self.in_space else "a coordinate"
+            more = " or a translational" if self.in_space else ", a translational or a "
+            more += "" if self.in_space else "revolute-translational"
             self._note(
-                f"{where}: {name} is no joint with a coordinate; give "
-                f"{'' if self.in_space else joints}an expression of coordinates."
+                f"{where}: {name} is no joint with {one}; give a revolute{more} joint itself, or "
+                "an expression of coordinates."
             )
             return sympy.S.One, "", ()
         s = self._value(of, "", f"coordinate of {where}")

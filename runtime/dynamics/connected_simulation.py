@@ -180,11 +180,11 @@ def cross(
                 impulse, units = impulses[row.element]
                 impulse[row.component] = 0.0 + value
                 units[row.component] = f"{row.unit} s" if row.unit else ""
-    change = []
+    change, mirrored = [], mirrored_joints(description, q)
     for _, action, joint, _ in end.rows:
         impulse, units = impulses[joint]
-        own = lost if joint in engaged[:1] else 0.0
-        change.append(Reconnection(t, joint, action, impulse, own, units))
+        own, opposite = lost if joint in engaged[:1] else 0.0, joint in mirrored
+        change.append(Reconnection(t, joint, action, impulse, own, units, opposite))
     start = State(t, q, v, description.coordinates, discrete=end.state.discrete)
     return start, tuple(change)
 

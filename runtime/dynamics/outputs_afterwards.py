@@ -28,6 +28,7 @@ from runtime.show.pictures import spans_of
 from runtime.validation.arguments import parameter_values
 
 _PLACE = "a place, three numbers in m, or the name of a tracked point"
+_ROUNDED = 1e-9  # accuracy: of the forces of a joint; a sum of them that is none
 _AT = row(_PLACE, *[number(_PLACE, unit="m")] * 3)
 
 
@@ -89,17 +90,21 @@ def joint_wrench(result: Result, joint: str, on: str, at: Any, axes: str) -> Flo
     columns = about.jacobian_columns[np.isin(about.jacobian_rows, rows)]
     owners = {names[k].rpartition(".")[0] for k in columns}
     acting = [body for body in bodies if body in owners]
+    where = ", ".join(acting) or "coordinates of joints, and its reaction says how"
+    elsewhere = f"{about.title}: '{joint}' acts on {where}, not on '{on}'."
     if on not in ("ground", *acting):
-        where = ", ".join(acting) or "coordinates of joints, and its reaction says how"
-        raise InputError(f"{about.title}: '{joint}' acts on {where}, not on '{on}'.")
+        raise InputError(elsewhere)
     places = {body: q[:, k : k + 3] for body in acting for k in [names.index(f"{body}.x")]}
-    places["ground"] = force = torque = np.zeros((len(q), 3))
+    places["ground"] = force = torque = sizes = np.zeros((len(q), 3))
     for body in acting if on == "ground" else (on,):
         x, e = names.index(f"{body}.x"), bodies[body]
         own, g = forces[:, x : x + 3], matrix_g(q[:, e : e + 4])
-        couple = turned[body] @ (0.5 * g @ forces[:, e : e + 4, None])
-        force = force + own
-        torque = torque + couple[..., 0] + np.cross(places[body] - places[on], own)
+        couple = (turned[body] @ (0.5 * g @ forces[:, e : e + 4, None]))[..., 0]
+        couple = couple + np.cross(places[body] - places[on], own)
+        force, torque = force + own, torque + couple
+        sizes = np.maximum(sizes, np.maximum(np.abs(own), np.abs(couple)))
+    if on == "ground" and np.abs([force, torque]).max() < _ROUNDED * sizes.max():
+        raise InputError(elsewhere)  # what it exerts on one body it exerts back on another
     if isinstance(at, str):
         arm = result.point(at) - places[on]
     else:

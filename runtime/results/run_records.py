@@ -256,6 +256,7 @@ class Reconnection(NamedTuple):
     # engage at one instant the first has that of their one impact, the others 0
     energy_lost: float
     units: dict[str, str]  # component → unit of its impulse, "" of an expression without one
+    opposite: bool = False  # it engaged in space with axes that are opposite to the drawing
 
     @property
     def text(self) -> str:
@@ -271,7 +272,8 @@ class Reconnection(NamedTuple):
         parts = ", ".join(f"{name} {value:.6g} {unit}".rstrip() for name, value, unit in rows)
         took = f", which took {self.energy_lost:.6g} J" if self.energy_lost else ""
         begun = f"Joint '{self.joint}' engaged at t = {self.time:.9g} s"
-        return f"{begun} with the impulse ({parts}){took}."
+        axes = ", its axes opposite to the drawing," if self.opposite else ""
+        return f"{begun}{axes} with the impulse ({parts}){took}."
 
 
 def sentences(changes: Sequence[Reconnection]) -> str:

@@ -240,17 +240,18 @@ def test_a_yielding_plane_in_a_body_pushes_by_spring_and_damper(workshop: Path) 
     assert result.events[0].time == pytest.approx(begin, rel=1e-10)
 
 
+@pytest.mark.parametrize("by_joint", [True, False])
 @pytest.mark.parametrize("rigid", [True, False])
-def test_stops_limit_a_slide(workshop: Path, rigid: bool) -> None:
+def test_stops_limit_a_slide(workshop: Path, rigid: bool, by_joint: bool) -> None:
     """Between stops that lose nothing a slider goes to and fro with a constant speed."""
-    model = Model(f"stops_{rigid}", space=True)
+    model = Model(f"stops_{rigid}_{by_joint}", space=True)
     axis = np.array([2.0, -1.0, 2.0]) / 3
     slider = model.body("slider", 2.0, (0.1, 0.2, 0.25), axes=(0.3, 0.1, 0.2))
-    model.translational("guide", model.ground, slider, at=(0, 0, 0), axis=axis.tolist())
+    guide = model.translational("guide", model.ground, slider, at=(0, 0, 0), axis=axis.tolist())
     place = slider.at(0, 0, 0)
     slide = sum(a * x for a, x in zip(axis.tolist(), place.position, strict=True))
     how: dict[str, float] = {"restitution": 1.0} if rigid else {"stiffness": 2e4}
-    model.stop("ends", slide, lower=-0.2, upper=0.5, **how)
+    model.stop("ends", guide if by_joint else slide, lower=-0.2, upper=0.5, **how)
     names = ("slider.vx", "slider.vy", "slider.vz")
     model.scene("run", ["ends"], start=dict(zip(names, axis.tolist(), strict=True)))
     result = load(model, folder=workshop).simulate(1.55, 32, rtol=1e-10, progress=False)

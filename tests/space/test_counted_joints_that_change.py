@@ -53,6 +53,49 @@ def test_a_joint_that_is_gone_is_neither_counted_nor_watched(workshop: Path) -> 
     assert run["A.angle"][-1] == pytest.approx(60.0, rel=1e-9)
 
 
+def test_angles_that_a_gear_asks_for_go_on_without_it(workshop: Path) -> None:
+    model = two_links("let_go")
+    model.release(model.gear("teeth", model.joints["A"], model.joints["B"], 2), when=t > 0.3)
+    model.torque("push", model.bodies["other"], (0, 0, 90.0))
+    model.scene("run", ["push"], start={"one.omega_z": SPEED})
+    assert model.scenes["run_without_teeth"].counted == ("A.angle", "B.angle")
+    run = load(model, "run", folder=workshop).simulate(0.6, 121, rtol=1e-10, progress=False)
+    assert [change.action for change in run.reconnections] == ["release"]
+    turned = [
+        np.unwrap(np.arctan2(A[:, 1, 0], A[:, 0, 0])) for A in map(run.rotation, ("one", "other"))
+    ]
+    assert_allclose(run["A.angle"], turned[0], rtol=0.0, atol=1e-10)
+    assert_allclose(run["B.angle"], turned[1] - turned[0], rtol=0.0, atol=1e-10)
+    ratio = run["B.angle"][1:] / run["A.angle"][1:]
+    assert np.ptp(ratio[run.t[1:] < 0.3]) < 1e-12
+    assert np.ptp(ratio) > 0.1
+
+
+def test_a_gear_engages_by_angles_that_are_counted_from_the_start(workshop: Path) -> None:
+    """Wheels at 4 and 8 rad/s mesh after 1 s; modulo whole turns these angles are open."""
+    model: Any = Model("meshing", space=True)
+    A, B = (
+        model.revolute(name, model.ground, model.body(f"wheel{name}", 1.0, (1, 1, 1), at=(x, 0, 0)),
+                       at=(x, 0, 0), axis=Z)
+        for name, x in (("A", 0), ("B", 1))
+    )  # fmt: skip
+    model.engage(model.gear("teeth", A, B, 2), when=t > 1.0)
+    model.scene("run", start={"wheelA.omega_z": 4.0, "wheelB.omega_z": 8.0})
+    run = load(model, "run", folder=workshop).simulate(3.0, 31, rtol=1e-11, progress=False)
+    assert run.outcome is Outcome.OK, run.message
+    assert [change.action for change in run.reconnections] == ["engage"]
+    for joint, speed in (("A", 4.0), ("B", 8.0)):
+        assert_allclose(run[f"{joint}.angle"], speed * run.t, rtol=0.0, atol=1e-9)
+
+
+def test_the_ratio_of_a_gear_is_fixed(tmp_path: Path) -> None:
+    model = two_links("variable")
+    model.gear("teeth", model.joints["A"], model.joints["B"], t)
+    model.scene("run")
+    with pytest.raises(ModelError, match=r"gear in space 'teeth': t depends on t, but points"):
+        load(model, "run", folder=tmp_path)
+
+
 def test_a_spring_of_a_joint_that_goes_ends_the_run(workshop: Path) -> None:
     model = two_links("sprung")
     model.release("B", when=t > 0.1)

@@ -114,6 +114,21 @@ def test_a_weld_engages_as_it_is_drawn_or_ends_the_run(workshop: Path) -> None:
         assert told == (instant == 1.0)
 
 
+def test_a_hinge_that_engages_says_that_its_axes_are_opposite(workshop: Path) -> None:
+    """A body that spins about x has turned its z axis over at t = 1 s, and back at t = 2 s."""
+    for instant, opposite in ((1.0, True), (2.0, False)):
+        model = Model(f"turned_over_{instant:.0f}", space=True)
+        body = model.body("b", 1.0, (1, 1, 1))
+        pin = model.revolute("pin", model.ground, body, at=(0, 0, 0), axis=Z)
+        model.engage(pin, when=t > instant)
+        model.scene("s", start={"b.omega_x": np.pi, "b.omega_y": 0.0, "b.omega_z": 0.0})
+        run = load(model, folder=workshop).simulate(2.5, 11, rtol=1e-11, progress=False)
+        assert run.outcome is Outcome.OK, run.message
+        assert run.reconnections[0].opposite == opposite
+        told = "Joint 'pin' engaged at t = 1 s, its axes opposite to the drawing, with the impulse"
+        assert (told in run.message) == opposite
+
+
 @pytest.mark.parametrize("kind", KINDS[1:])
 def test_members_of_an_ensemble_are_told_as_single_runs(kind: str, workshop: Path) -> None:
     machine, turns = load(held(kind), folder=workshop), (0.0, 1.0, 1.0, 0.0)

@@ -190,6 +190,17 @@ def test_mistakes_are_told(case: str, tmp_path: Path) -> None:
     assert text in str(refusal.value)
 
 
+def test_a_stop_of_two_coordinates_is_one_problem() -> None:
+    model = declared()
+    joint = model.cylindrical("c", model.ground, model.bodies["a"], at=(0, 0, 0), axis=Z)
+    model.stop("s", joint, upper=1.0, restitution=0.5)
+    (problem,) = model.problems
+    assert problem == (
+        "stop 's': 'c' is no joint with one coordinate; give a revolute or a translational joint "
+        "itself, or an expression of coordinates."
+    )
+
+
 def test_space_is_true_or_false() -> None:
     assert not Model("machine").in_space
     assert declared().in_space

@@ -88,6 +88,7 @@ def test_refused_wrenches(result: Any) -> None:
     for arguments, text in (
         (("A7", "door"), r"no joint or driver in space 'A7'; there are: low, high, ball"),
         (("low", "bob"), "'low' acts on door, not on 'bob'"),
+        (("ball", "ground"), "'ball' acts on door, bob, not on 'ground'"),
         (("low", "leaf"), "'leaf' is no body in space, which are door, bob"),
         (("low", "door", (1, 2)), r"at is \(1, 2\); it must be a place, three numbers in m, or"),
         (("low", "door", "tip"), "There is no tracked point 'tip'; there are: pin"),

@@ -7,7 +7,10 @@ import sympy
 from codegen.declare.body import Bodies
 from codegen.declare.element import ConjugateReaction, Constraint, Statement
 from codegen.declare.element_fields import quantity, shared_fields
+from codegen.declare.symbols import given
 from codegen.elements.registry import element
+
+RATIO, OFFSET = given("ratio"), given("offset")
 
 
 @shared_fields
@@ -24,8 +27,9 @@ class Teeth(Constraint):
 
     def statement(self) -> Statement:
         """One equation, rad or m."""
-        phi = (self.driven - self.ratio * self.angle - self.offset,)
-        return Statement(phi, ("mesh",), ConjugateReaction.along(self.letter))
+        phi = (self.driven - RATIO * self.angle - OFFSET,)
+        bindings = {RATIO: self.ratio, OFFSET: self.offset}
+        return Statement(phi, ("mesh",), ConjugateReaction.along(self.letter), bindings)
 
 
 @element(space=True)
