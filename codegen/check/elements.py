@@ -159,6 +159,8 @@ class _ElementCheck:
         except ModelError:  # reported where the joint is checked
             return
         components = ["fx", "fy", "torque"] if reaction else []
+        if isinstance(reaction, el.WrenchReaction):
+            components = ["fx", "fy", "fz", "tx", "ty", "tz"]
         if isinstance(reaction, el.ConjugateReaction):
             components = [component for component, _ in reaction.components]
         named = (c for load in law.contacts for entry in load for c, _ in entry)

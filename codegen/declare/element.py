@@ -191,20 +191,26 @@ Pressing = tuple[tuple[tuple[str, sympy.Expr], ...], ...]
 class FrictionLaw:
     """A force that follows from a joint's reaction, f = -strength · N · tanh(ṡ / creep).
 
-    Without creep it is f = -strength · N · σ, with σ the side of the effect's `Sticking`.
+    Without creep it is f = -strength · N · σ, with σ the side of the effect's `Sticking`. With a
+    slip of several components it is f = -strength · N · ṡ / √(ṡᵀṡ + creep²) along them.
     """
 
     joint: str  # name of the joint that rubs
     strength: sympy.Expr  # μ, or μ times an arm in m
     creep: sympy.Expr | None  # speed below which the joint creeps; None where it sticks
-    along: sympy.Expr  # the slip s(q), m or rad, or ṡ, linear in velocities; the force's direction
+    # the slip s(q), m or rad, or ṡ, linear in velocities; the force's direction; or several of them
+    along: sympy.Expr | tuple[sympy.Expr, ...]
     contacts: tuple[Pressing, ...]  # the loads whose sizes add up to N
     unit: str  # of f
 
     @property
     def slip(self) -> sympy.Expr:
-        """ṡ."""
-        return self.along if kinds(self.along, Velocity) else rate(self.along)
+        """ṡ; of several components √(ṡᵀṡ + creep²), along whose slopes by velocities f acts."""
+        several = self.along if isinstance(self.along, tuple) else (self.along,)
+        speeds = [s if kinds(s, Velocity) else rate(s) for s in several]
+        if len(speeds) == 1:
+            return speeds[0]
+        return sympy.sqrt(sympy.Add(*(s**2 for s in (*speeds, self.creep))))
 
 
 @declaring_class("Sticking")

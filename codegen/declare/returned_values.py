@@ -236,11 +236,13 @@ _along = expression_that(
     "an expression that something moves, or a linear function of velocities",
     lambda along: kinds(along, Coordinate, Time, Velocity) and not nonlinear_in(along),
 )
+_slips = several(_along, "a tuple of slips", 1)
 _FINITE = optional(number("a finite number, or None"))
 _LOAD = "a tuple of loads, each of sums of (component, factor)"
 _LAW = record(
     "a FrictionLaw or None", el.FrictionLaw, joint=words, strength=expression,
-    creep=optional(_creep), along=_along, unit=unit,
+    creep=optional(_creep), unit=unit,
+    along=lambda slip: (_slips if isinstance(slip, tuple) else _along)(slip),
     contacts=several(several(rows(_LOAD, words, expression), _LOAD, 1), _LOAD, 1),
 )  # fmt: skip
 _HOLD = record(
@@ -394,7 +396,7 @@ def effect_expressions(effect: Any, bodies: Bodies) -> list[sympy.Basic]:
         found += (measure.value, measure.along)
     found += vars(hold).values() if hold else ()
     if law:
-        found += (law.strength, law.creep, law.along)
+        found += (law.strength, law.creep, law.slip)
         found += (factor for load in law.contacts for entry in load for _, factor in entry)
     found += chain.from_iterable(rest for _, *rest in weights_of(effect, bodies))
     return [e for e in found if e is not None]

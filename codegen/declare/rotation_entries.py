@@ -89,7 +89,38 @@ class SpinEntry(_Entry):
         return 2 * sympy.Add(*(sign * p[j] * rate for (sign, j), rate in signs))
 
 
-ENTRIES = (RotationEntry, SpinEntry)
+def product(a: Any, b: Any) -> tuple[Any, ...]:
+    """The product of two quaternions, Euler parameters of one turn after another."""
+    u, v = sympy.Matrix(a[1:]), sympy.Matrix(b[1:])
+    return (a[0] * b[0] - u.dot(v), *(a[0] * v + b[0] * u + u.cross(v)))
+
+
+def conjugate(p: Any) -> tuple[Any, ...]:
+    """The Euler parameters of the opposite turn."""
+    return (p[0], *(-e for e in p[1:]))
+
+
+SMALLEST = 1e-16  # safety: added to sin² χ, so that its root has a slope at 0; below rounding
+
+
+class RotationVectorEntry(_Entry):
+    """θ_k of the rotation vector of A_iᵀ A_j D, of k and the Euler parameters of i, of j and D.
+
+    With the Euler parameters (w, v) of this turn by χ, θ = (w v / |w v|) 2 atan(|v| / |w|), the
+    same for (-w, -v): by |sin χ| = 2 |w v|, it is exact up to half a turn, and smooth at 0.
+    """
+
+    @classmethod
+    def _polynomial(cls, k: Any, *at: Any) -> sympy.Expr:
+        w, *v = product(product(conjugate(at[:4]), at[4:8]), at[8:])
+        sine = sympy.sqrt(4 * w**2 * sympy.Add(*(x**2 for x in v)) + SMALLEST)
+        return 4 * w * v[int(k)] * sympy.atan(sine / (2 * w**2)) / sine
+
+    def _sympystr(self, printer: Any) -> str:
+        return f"theta({', '.join(map(str, self.args))})"
+
+
+ENTRIES = (RotationEntry, SpinEntry, RotationVectorEntry)
 
 
 def rotation_matrix(p: tuple[Any, ...]) -> sympy.ImmutableMatrix:

@@ -146,7 +146,10 @@ def measured(measure: el.Measure) -> el.Measure:
 def _friction(effect: str, law: el.FrictionLaw, law_at_rest: el.Hold | None) -> FrictionTerms:
     slip = law.slip
     direction = tuple((v.coordinate, derivative(slip, v)) for v in kinds(slip, Velocity))
-    direction_of_slip = side(effect) if law.creep is None else sympy.tanh(slip / law.creep)
+    if isinstance(law.along, tuple):  # -strength · N acts against the growth of the slip's size
+        slip, direction_of_slip = slip - law.creep**2 / slip, sympy.S.One
+    else:
+        direction_of_slip = side(effect) if law.creep is None else sympy.tanh(slip / law.creep)
     grip, limit = law.strength * direction_of_slip, None
     if isinstance(law_at_rest, el.Sticking) and law.creep is None:
         more = 1 if law_at_rest.static is None else law_at_rest.static / law_at_rest.kinetic

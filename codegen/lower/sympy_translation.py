@@ -13,7 +13,7 @@ from typing import Any
 import sympy
 from sympy.core.relational import Relational
 
-from codegen.declare.rotation_entries import RotationEntry, SpinEntry
+from codegen.declare.rotation_entries import RotationEntry, RotationVectorEntry, SpinEntry
 from codegen.declare.symbols import Coordinate, Velocity, kinds
 from codegen.derive.piecewise_conditions import (
     INVERSES,
@@ -113,6 +113,8 @@ class Translator:
             k, *at = node.args
             values = [self(e) for e in at]
             return spin_entry(graph, int(k), values[:4], values[4:])
+        if isinstance(node, RotationVectorEntry):
+            return self(node.polynomial())
         if isinstance(node, Interpolant):
             return graph.lookup(node.table, node.order, self(node.at))
         if isinstance(node, ClosedPieces):  # the steps of a run end where they meet

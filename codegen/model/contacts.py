@@ -203,11 +203,7 @@ class Contacts(Declarations):
             JointFriction, name=name, joint=joint, coefficient=coefficient, creep=creep,
             radius=radius, length=length, static=static,
         )  # fmt: skip
-        if isinstance(given, Constraint) and self.joints.get(joint.name) is not joint:
-            self._note(
-                f"friction '{name}': joint {shown(joint.name)} is not declared in '{self.name}'; "
-                "give one that is."
-            )
+        self._note_foreign(name, given)
         return self._friction_law(law, fidelity)
 
     def dry_friction(
@@ -310,7 +306,15 @@ class Contacts(Declarations):
             self.fidelities[chosen.name] = forms
         return chosen
 
-    def _friction_law(self, law: DryFriction | JointFriction, fidelity: str | None) -> Effect:
+    def _note_foreign(self, name: str, joint: Any) -> None:
+        """Note the joint of a friction that is not of this model."""
+        if isinstance(joint, Constraint) and self.joints.get(joint.name) is not joint:
+            self._note(
+                f"friction '{name}': joint {shown(joint.name)} is not declared in '{self.name}'; "
+                "give one that is."
+            )
+
+    def _friction_law(self, law: Any, fidelity: str | None) -> Effect:
         """Declare a friction in each fidelity that it has the numbers for."""
         creeps = law.creep is not None
         if law.static is not None:
@@ -320,7 +324,9 @@ class Contacts(Declarations):
         made: dict[str, Effect] = {"sticking": replace(law, creep=None)}
         if creeps:
             made["regularised"] = replace(law, static=None)
-        needs = {"sticking": "", "regularised": "creep="}
+        needs = {"sticking": "a joint that only turns or only slides", "regularised": "creep="}
+        if getattr(law, "spins_and_slides", False) and creeps:
+            del made["sticking"]
         otherwise = "regularised" if creeps else "sticking"
         return self._declare_forms(label(law), fidelity, otherwise, made, needs)
 

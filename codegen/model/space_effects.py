@@ -13,9 +13,11 @@ from codegen.elements.space.forces import (
     TorqueInSpace,
     TorsionSpringInSpace,
 )
+from codegen.elements.space.friction import JointFrictionInSpace
 from codegen.elements.space.joints import JointInSpace
 from codegen.elements.space.transmissions import GearInSpace, RackInSpace
 from codegen.model.base import declares
+from codegen.model.contacts import FrictionLaw
 from codegen.model.forces import Characteristic
 from codegen.model.model import Model
 from codegen.readers.values import shown
@@ -98,6 +100,35 @@ class SpaceEffects(Model):
             actuator=actuator, torque=torque, preload=preload,
         )  # fmt: skip
         return self._declare(element)
+
+    def friction(  # type: ignore[override]
+        self, name: str, joint: Constraint, coefficient: Any, creep: Any = None, radius: Any = None,
+        length: Any = None, static: Any = None, fidelity: FrictionLaw | None = None,
+        collar: Any = None,
+    ) -> Effect:  # fmt: skip
+        """Coulomb friction in a joint, from the joint's reaction.
+
+        Parameters
+        ----------
+        joint
+            A revolute, translational or cylindrical joint.
+        coefficient, creep, static, fidelity
+            As in the plane; a cylindrical joint needs `creep`, in m/s, and does not stick.
+        radius
+            The radius of a pin, m; of a translational joint that at which the torque about its axis
+            presses, or None: it does not press.
+        length
+            The length of the bearing, m: the moment then presses on both ends.
+        collar
+            The mean radius of the thrust face of a revolute joint, m, on which the force along its
+            axis presses; None: it does not rub.
+        """
+        law: JointFrictionInSpace = self._element(
+            JointFrictionInSpace, name=name, joint=joint, coefficient=coefficient, creep=creep,
+            radius=radius, length=length, static=static, collar=collar,
+        )  # fmt: skip
+        self._note_foreign(name, joint)
+        return self._friction_law(law, fidelity)
 
     @declares(ForceInSpace, point="on")
     def force(  # type: ignore[override]

@@ -12,11 +12,21 @@ from typing import Any, NoReturn
 import numpy as np
 import sympy
 
-from codegen.declare.drawn_pose import SMALL, attitude_of_axes, attitude_of_vector
+from codegen.declare.drawn_pose import (
+    SMALL,
+    attitude_of_axes,
+    attitude_of_vector,
+    rotation_of,
+    symbolic,
+)
+from codegen.declare.element import Effect
+from codegen.declare.rotation_entries import conjugate, product
 from codegen.declare.space_body import UPRIGHT, SpaceBody, SpaceGround
 from codegen.drawing.meshes import Mesh
 from codegen.elements.scalar_measures import is_constant
+from codegen.elements.space.bushing import TIMES, BushingInSpace, entry_unit
 from codegen.errors import ModelError
+from codegen.model.space_effects import Place
 from codegen.model.space_joints import SpaceJoints
 from codegen.readers.values import KindError, members, shown
 
@@ -71,7 +81,70 @@ class SpaceModel(SpaceJoints):
         """Draw a frame, a cylinder or the like as part of the ground: forms as in `body`."""
         object.__setattr__(self.ground, "forms", self._forms(draw, "ground: draw"))
 
+    def bushing(  # type: ignore[override]
+        self, name: str, i: Place, j: Place, stiffness: Any = (0,) * 6, damping: Any = (0,) * 6,
+        preload: Any = (0,) * 6, *, at: Any = None, axes: Any = None,
+    ) -> Effect:  # fmt: skip
+        """Springs and dampers between two bodies along and about three axes: f = K z + F0 + C ż.
+
+        Parameters
+        ----------
+        i, j, at
+            As of `spherical`: points that coincide at rest, or bodies and a place at the drawing.
+        stiffness, damping
+            K and C: six numbers, along x, y, z in N/m (N s/m) and about them in N m/rad
+            (N m s/rad), or symmetric matrices, 6 × 6, whose other entries are in N (N s).
+        preload
+            F0 on body `i` where z = 0, as at the drawing: a force in N and a torque in N m.
+        axes
+            Of the bushing at the drawing, as of `body`; by default the global ones. Those in body
+            `i` are the axes of K and C.
+        """
+        where, ends = f"bushing '{name}'", self._ends(name, i, j, at)
+        of_i, of_j = (end.body.attitude for end in ends)
+        b = rotation_of(of_i).T @ rotation_of(self._attitude(axes, f"{where}: axes"))
+        given = (("stiffness", stiffness), ("damping", damping))
+        matrices = {word: self._coupled(value, word, where) for word, value in given}
+        bushing: Effect = self._element(
+            BushingInSpace, name=name, i=ends[0], j=ends[1], preload=preload,
+            axes=sympy.ImmutableMatrix(3, 3, symbolic(b.ravel())),
+            drawn=symbolic(product(conjugate(of_j), of_i)), **matrices,
+        )  # fmt: skip
+        return self._declare(bushing)
+
     # -- reading -----------------------------------------------------------------------------
+
+    def _coupled(self, value: Any, word: str, where: str) -> sympy.ImmutableMatrix:
+        """K or C of a bushing, from six numbers or a matrix."""
+        place, time = f"{word} of {where}", TIMES[word]
+        try:
+            given = members(value.tolist() if isinstance(value, sympy.MatrixBase) else value, 6)
+            rows = [[0] * k + [x] + [0] * (5 - k) for k, x in enumerate(given)]
+            with suppress(KindError):
+                rows = [members(row, 6) for row in given]
+        except KindError:
+            self._note(
+                f"{place} is {shown(value)}; give six numbers, along x, y, z and about them, or a "
+                "symmetric matrix, 6 x 6."
+            )
+            return sympy.ImmutableMatrix.eye(6)
+        read = [
+            self._value(x, entry_unit(row, column, time), place)
+            for row, entries in enumerate(rows)
+            for column, x in enumerate(entries)
+        ]
+        matrix = sympy.ImmutableMatrix(6, 6, read)
+        known = matrix.subs(self.defaults)
+        if matrix != matrix.T:
+            self._note(f"{place} is not symmetric; give a symmetric matrix, as (K + K.T) / 2.")
+        elif all(x.is_Float or x.is_Rational for x in known):
+            least, *_, most = np.linalg.eigvalsh(np.array(known.tolist(), float))
+            if least < -SMALL * abs(most):
+                self._note(
+                    f"{place} has the eigenvalue {least:.6g}, in SI units; with a negative one it "
+                    "drives the bodies. Check the signs and sizes of its entries that couple."
+                )
+        return matrix
 
     def unit_of(self, name: str) -> str | None:
         """As in the plane; rad/s of ``"rod.omega_x"``, a component of ω'."""
@@ -142,13 +215,13 @@ ELEMENTS = (
     "parallel_axes, point_in_plane, point_on_line, strut, revolute_spherical, revolute_revolute, "
     "revolute_cylindrical, revolute_translational, screw, gear, rack_and_pinion, constraint, "
     "driver, rotation_driver, translation_driver, point_driver, distance_driver, gravity, force, "
-    "torque, spring, torsion_spring, line_force, potential, generalized_force, contact, stop, "
-    "release, engage and draw_ground"
+    "torque, spring, torsion_spring, bushing, line_force, potential, generalized_force, contact, "
+    "stop, friction, dry_friction, release, engage and draw_ground"
 )
 """What a machine in space may be declared with, in words."""
 REFUSED = (
-    *("absolute", "belt", "bushing", "cam_flat_follower", "cam_follower", "clearance_joint"),
-    *("coupler", "curve_through", "dry_friction", "elastic_belt", "friction"),
+    *("absolute", "belt", "cam_flat_follower", "cam_follower", "clearance_joint"),
+    *("coupler", "curve_through", "elastic_belt"),
     *("gear_with_backlash", "mass_flow", "motor", "one_way_clutch", "particle"),
     *("point_follower", "relative", "relative_driver", "rolling_disc"),
 )

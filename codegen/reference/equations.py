@@ -117,7 +117,9 @@ def _friction(terms: FrictionTerms) -> Iterator[tuple[str, sympy.Expr]]:
 
     def load(components: tuple[tuple[str, sympy.Expr], ...]) -> sympy.Expr:
         """A sum of components of the joint's reaction."""
-        names = {"fx": "f_x", "fy": "f_y", "torque": "T"}
+        names = {
+            name: "T" if name == "torque" else f"{name[0]}_{name[1:]}" for name, _ in components
+        }
         return sympy.Add(*(weight * given(names[name]) for name, weight in components))
 
     yield r"\dot s", terms.slip

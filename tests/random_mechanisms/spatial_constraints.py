@@ -337,6 +337,9 @@ def _asked(mechanism: parts.SpatialMechanism) -> Iterator[str]:
                 yield joint
             case parts.Gear(_, joint, driven):
                 yield from (joint, driven)
+            case parts.Friction(_, joint):
+                if not isinstance(mechanism.joint(joint), parts.Translational):
+                    yield joint
 
 
 def _drawing(mechanism: parts.SpatialMechanism, turning: int) -> SpatialState:

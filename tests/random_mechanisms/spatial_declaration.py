@@ -165,6 +165,20 @@ def _(part: parts.TorsionSpring, to: SpatialDeclaration) -> None:
 
 
 @add.register
+def _(part: parts.Bushing, to: SpatialDeclaration) -> None:
+    ends, axes = (to.body(part.i), to.body(part.j)), tuple(zip(*part.axes, strict=True))[:2]
+    laws = part.stiffness, part.damping, part.preload
+    to.model.bushing(part.name, *ends, *laws, at=part.at, axes=axes)
+
+
+@add.register
+def _(part: parts.Friction, to: SpatialDeclaration) -> None:
+    joint, words = to.model.joints[part.joint], ("creep", "radius", "length", "collar")
+    given = {word: getattr(part, word) for word in words}
+    to.model.friction(part.name, joint, part.coefficient, **given)
+
+
+@add.register
 def _(part: parts.Gravity, to: SpatialDeclaration) -> None:
     to.model.gravity(part.name, part.g)
 

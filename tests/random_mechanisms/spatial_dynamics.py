@@ -16,10 +16,12 @@ from scipy.spatial.transform import Rotation
 from tests.random_mechanisms import spatial_parts as parts
 from tests.random_mechanisms.spatial_constraints import Frames, Layout, Scalars, SpatialState, cross
 from tests.random_mechanisms.spatial_forces import wrenches
+from tests.random_mechanisms.spatial_friction import friction
 
 DEPENDENT = 1e-8  # singular values below this part of the largest are those of dependent rows
 CLOSED = 1e-14
 ROUNDS = 30
+TURNS, AGREED = 100, 1e-12  # of friction and reactions
 
 
 class DenseError(ArithmeticError):
@@ -119,8 +121,29 @@ class SpatialDense:
         """Accelerations and multipliers at a state that meets the constraints.
 
         Near one, too, where independent `rows` are given, on which alone the others depend.
+        Friction and the reactions that it follows from are found by turns.
         """
         e = self.system(state, t)
+        solved, laws = self._solved(state, e, rows), self.frictions
+        rubbed = np.zeros_like(e.force)
+        for _ in range(TURNS if laws else 0):
+            before, rubbed = rubbed, np.zeros_like(e.force)
+            for law in laws:
+                by = self.reaction(law.joint, state, solved)
+                rubbed += friction(self.layout, law, state, by.force, by.torque)[0].ravel()
+            solved = self._solved(state, replace(e, force=e.force + rubbed), rows)
+            if np.abs(rubbed - before).max() <= AGREED * np.abs([rubbed, e.force]).max():
+                return solved
+        if laws:
+            raise DenseError(f"friction does not agree with reactions at t = {t:g} s")
+        return solved
+
+    @cached_property
+    def frictions(self) -> list[parts.Friction]:
+        """The frictions in joints."""
+        return [e for e in self.mechanism.effects if isinstance(e, parts.Friction)]
+
+    def _solved(self, state: SpatialState, e: SpatialSystem, rows: Any) -> SpatialSolution:
         if rows is not None:
             kept, none = e.jacobian[rows], np.zeros((len(rows), len(rows)))
             matrix = np.block([[e.mass, kept.T], [kept, none]])

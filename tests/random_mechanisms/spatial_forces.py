@@ -9,6 +9,7 @@ import numpy as np
 
 from tests.random_mechanisms import spatial_parts as parts
 from tests.random_mechanisms.spatial_constraints import Frames, Layout, Scalars, SpatialState, cross
+from tests.random_mechanisms.spatial_friction import bushing
 
 
 def wrenches(layout: Layout, state: SpatialState, turns: Scalars, t: float) -> tuple[Any, float]:
@@ -53,6 +54,10 @@ def _add(
             rate = float(np.sum(by * np.concatenate([at.v, at.w], axis=1)))
             found -= (stiffness * (angle - free) + damping * rate) * by
             return 0.5 * stiffness * (angle - free) ** 2
+        case parts.Bushing():
+            return bushing(layout, at, effect, found)
+        case parts.Friction():  # of reactions, which are not known yet
+            return 0.0
     raise NotImplementedError(type(effect))
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from tests.random_mechanisms import spatial_parts as parts
 from tests.random_mechanisms.spatial_constraints import SpatialState
@@ -102,6 +103,10 @@ def random_spatial_mechanism(
         if mechanism is None:
             continue
         mechanism = replace(mechanism, effects=tuple(_effects(to)))
+        if family == OTHER:
+            mechanism = replace(
+                mechanism, effects=(*mechanism.effects, *_other_effects(to, driven == "free"))
+            )
         dense = SpatialDense(mechanism)
         state = dense.random_velocity(seed)
         horizon = _horizon(dense, state)
@@ -129,6 +134,29 @@ def _draw(to: Drawing, loops: int) -> list[str] | None:
             return None
         words.append(word)
     return [word for word in words if word]
+
+
+def _other_effects(to: Drawing, free: bool) -> list[parts.SpatialEffect]:
+    """A bushing, and friction in a joint whose reaction no redundant row leaves open."""
+    random = to.random
+    i, j = to.host(), to.host(ground=False)
+    i = GROUND if i == j else i
+    wide = random.normal(size=(2, 6, 6)) * np.array([3.0, 0.4])[:, None, None]
+    of = [tuple(map(tuple, (one @ one.T).tolist())) for one in wide]
+    at, axes = vector(to.near(to.place(j), 0.3)), Rotation.random(random_state=random).as_matrix()
+    preload = tuple((3.0 * random.normal(size=6)).tolist())
+    found: list[Any] = [parts.Bushing("rubber", i, j, at, tuple(map(vector, axes)), *of, preload)]
+    dense = SpatialDense(to.mechanism)
+    rubbing = (parts.Revolute, parts.Cylindrical, parts.Translational)
+    joints = [joint for joint in to.joints if isinstance(joint, rubbing)]
+    if free and joints and not dense.freedoms(dense.at_drawing)[1]:
+        joint = joints[int(random.integers(len(joints)))]
+        creep, radius, length, collar = random.uniform(0.05, 0.5, 4).tolist()
+        words: dict[str, Any] = {"radius": 0.3 * radius, "length": 2 * length}
+        if isinstance(joint, parts.Revolute):
+            words["collar"] = 0.3 * collar
+        found.append(parts.Friction("rub", joint.name, 0.1, creep, **words))
+    return found
 
 
 def _draw_others(to: Drawing) -> list[str] | None:

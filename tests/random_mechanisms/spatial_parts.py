@@ -293,6 +293,31 @@ class TorsionSpring(SpatialEffect):
 
 
 @dataclass(frozen=True)
+class Bushing(SpatialEffect):
+    """f = K z + F0 + C ż along z, in the columns of `axes`, of body j against body i."""
+
+    i: int
+    j: int
+    at: Vector
+    axes: Matrix
+    stiffness: tuple[tuple[float, ...], ...]
+    damping: tuple[tuple[float, ...], ...]
+    preload: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Friction(SpatialEffect):
+    """A joint that turns or slides, or does both, rubs by Coulomb's law with a speed of creep."""
+
+    joint: str
+    coefficient: float
+    creep: float
+    radius: float | None = None
+    length: float | None = None
+    collar: float | None = None
+
+
+@dataclass(frozen=True)
 class SpatialMechanism:
     """Bodies, joints with drivers among them, and forces."""
 

@@ -23,6 +23,7 @@ from tests.random_mechanisms.spatial_dynamics import (
     SpatialSolution,
     moved,
 )
+from tests.random_mechanisms.spatial_friction import friction, slide
 from tests.random_mechanisms.spatial_generator import SOUND, RandomSpatialMechanism
 
 MET = 1e-9  # of accelerations and reactions in a state that both are given
@@ -48,6 +49,10 @@ def counted(dense: SpatialDense, state: SpatialState, solved: SpatialSolution) -
         if isinstance(driver, parts.Rack):  # on which the slide is the ratio times the angle
             angle = found[f"{driver.joint}.angle"]
             found[f"{driver.driven}.slide"] = tuple(driver.ratio * x for x in angle)
+    for law in dense.frictions:
+        joint: Any = dense.mechanism.joint(law.joint)
+        if not isinstance(joint, parts.Revolute):
+            add(f"{law.joint}.slide", slide(dense.layout, joint, state), 0)
     return found
 
 
@@ -90,6 +95,11 @@ def differences(
                 moment = wrench[3:] + np.cross(known.point - state.r[body], wrench[:3])
                 missing[body] -= sign * np.concatenate([wrench[:3], moment])
     yield float(np.abs(missing).max()) / largest
+    for law in dense.frictions:
+        by = dense.reaction(law.joint, state, solved)
+        _, told = friction(dense.layout, law, state, by.force, by.torque)
+        hinge = isinstance(dense.mechanism.joint(law.joint), parts.Revolute)
+        yield abs(reaction(law.name, "torque" if hinge else "force") - told) / largest
 
 
 class Statics:

@@ -240,6 +240,57 @@ def test_a_yielding_plane_in_a_body_pushes_by_spring_and_damper(workshop: Path) 
     assert result.events[0].time == pytest.approx(begin, rel=1e-10)
 
 
+def test_a_ball_bounces_on_a_plane_that_yields(workshop: Path) -> None:
+    """It touches for 2 (π - atan(v w / g)) / w, w = √(k/m), and leaves as fast."""
+    model = Model("trampoline", space=True, gravity=DOWN)
+    m, k, radius, fall = 0.5, 5000.0, 0.1, 0.3
+    ball = model.body("ball", m, (0.002,) * 3, at=(0, 0, radius + fall))
+    plane = {"direction": Z, "free_length": radius, "may_pull": False}
+    model.contact("floor", model.ground, ball, **plane, stiffness=k)  # type: ignore[arg-type]
+    start = {"ball.vx": 0.4, "ball.omega_z": 3.0}
+    model.scene(
+        "drop", ["gravity", "floor"], start=start, outputs=["default", "penetration(floor)"]
+    )
+    result = load(model, folder=workshop).simulate(1.0, 1001, rtol=1e-11, progress=False)
+    w, v, down = np.sqrt(k / m), np.sqrt(2 * G * fall), np.sqrt(2 * fall / G)
+    touching = 2 * (np.pi - np.arctan(v * w / G)) / w
+    exact = down + np.cumsum([0.0, touching, 2 * v / G, touching])
+    assert_allclose([e.time for e in result.events[:4]], exact[: len(result.events)], rtol=1e-9)
+    assert len(result.events) >= 3
+    assert_allclose(result.energy(), result.energy()[0], rtol=1e-9)
+    deepest = G / w**2 + np.sqrt((G / w**2) ** 2 + (v / w) ** 2)
+    depth = result["floor.penetration"]
+    assert depth.max() == pytest.approx(deepest, rel=1e-3)
+    assert_allclose(result["floor.force"], k * depth, rtol=0.0, atol=1e-8)
+    assert_allclose(result.v("ball.vx"), 0.4, rtol=0.0, atol=1e-11)
+    assert_allclose(spins(result, "ball")[:, 2], 3.0, rtol=0.0, atol=1e-11)
+
+
+def test_spheres_that_yield_push_along_their_centres(workshop: Path) -> None:
+    """Half a wave of √(k/μ) with the reduced mass μ exchanges the speeds along the centres."""
+    model = Model("soft_spheres", space=True)
+    masses, k = (1.0, 3.0), 2e4
+    line = np.array([2.0, 1.0, -2.0]) / 3
+    places = (np.zeros(3), 0.5 * line)
+    one, other = (
+        model.body(f"s{n}", mass, (0.01,) * 3, at=place.tolist())
+        for n, (mass, place) in enumerate(zip(masses, places, strict=True))
+    )
+    model.contact("touch", one, other, free_length=0.3, stiffness=k)
+    names = [f"s0.v{c}" for c in "xyz"]
+    start = dict(zip(names, (2.0 * line).tolist(), strict=True)) | {"s1.omega_x": 1.0}
+    model.scene("hit", ["touch"], start=start)
+    result = load(model, folder=workshop).simulate(0.5, 6, rtol=1e-11, progress=False)
+    reduced = masses[0] * masses[1] / sum(masses)
+    begin = 0.2 / 2.0
+    times = [event.time for event in result.events]
+    assert_allclose(times, [begin, begin + np.pi / np.sqrt(k / reduced)], rtol=1e-9)
+    after = [(masses[0] - masses[1]) / sum(masses) * 2.0, 2 * masses[0] / sum(masses) * 2.0]
+    for name, speed in zip(("s0", "s1"), after, strict=True):
+        assert_allclose(velocities(result, name)[-1], speed * line, rtol=0.0, atol=1e-9)
+    assert_allclose(spins(result, "s1"), np.outer(np.ones(6), [1.0, 0, 0]), rtol=0.0, atol=1e-12)
+
+
 @pytest.mark.parametrize("by_joint", [True, False])
 @pytest.mark.parametrize("rigid", [True, False])
 def test_stops_limit_a_slide(workshop: Path, rigid: bool, by_joint: bool) -> None:

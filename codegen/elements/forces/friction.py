@@ -16,6 +16,7 @@ from codegen.declare.element import (
     label,
 )
 from codegen.declare.element_fields import quantity, static_condition
+from codegen.declare.space_body import SpaceBody
 from codegen.declare.symbols import Velocity, kinds, nonlinear_in, side
 from codegen.drawing import shapes
 from codegen.elements.joints.guides import Translational
@@ -126,7 +127,7 @@ class DryFriction(Coulomb):
         """The force on each body, along the slopes of the slip."""
         slopes = {v: sympy.diff(self.slip, v) for v in kinds(self.slip, Velocity)}
         found = []
-        for body in dict.fromkeys(self.on):
+        for body in (b for b in dict.fromkeys(self.on) if not isinstance(b, SpaceBody)):
             gx, gy, turn = (slopes.get(v, 0) for v in (*body.velocity, body.angular_velocity))
             found.append(shapes.Exertion(body, gx, gy, turn, "force"))
         return tuple(found)

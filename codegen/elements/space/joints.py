@@ -24,6 +24,7 @@ import sympy
 from codegen.declare.drawn_pose import attitude_of_axes, symbolic
 from codegen.declare.element import Constraint, Statement, WrenchReaction, label
 from codegen.declare.element_fields import quantity, shared_fields
+from codegen.declare.rotation_entries import conjugate, product
 from codegen.declare.space_body import SpacePoint, Three
 from codegen.declare.space_frame import I, J
 from codegen.declare.symbols import coordinate, given
@@ -44,17 +45,6 @@ LENGTH, COSINE = given("length"), given("cosine")
 LINK = (SPAN.dot(SPAN) - LENGTH**2,)
 DRAWN = tuple(given(f"drawn{k}") for k in range(4))  # body i in body j, at the drawing
 THETA, SLIDE = coordinate("joint", "angle"), coordinate("joint", "slide")
-
-
-def product(a: Any, b: Any) -> tuple[Any, ...]:
-    """The product of two quaternions, Euler parameters of one turn after another."""
-    u, v = sympy.Matrix(a[1:]), sympy.Matrix(b[1:])
-    return (a[0] * b[0] - u.dot(v), *(a[0] * v + b[0] * u + u.cross(v)))
-
-
-def conjugate(p: Any) -> tuple[Any, ...]:
-    """The Euler parameters of the opposite turn."""
-    return (p[0], *(-e for e in p[1:]))
 
 
 def _angle_row() -> sympy.Expr:
@@ -178,7 +168,7 @@ class RevoluteInSpace(JointWithAxis):
     """
 
     kind = "revolute in space"
-    form = "hinge"
+    form, friction_arm = "hinge", "radius"
     countable = ("angle",)
     phi, rows = (*COINCIDENT, *PARALLEL), ("x", "y", "z", "f", "g")
 

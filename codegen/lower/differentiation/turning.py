@@ -126,11 +126,13 @@ class Turn:
         half = [self.graph.mul(self.graph.constant(0.5), value) for value in values]
         return [along_g(self.graph, k, self.p, half) for k in THREE]
 
-    def acceleration(self, values: Sequence[int]) -> list[int]:
-        """p̈ = ½ Gᵀ ω̇' - (ṗᵀṗ) p."""
+    def acceleration(self, values: Sequence[int], is_change: bool = False) -> list[int]:
+        """p̈ = ½ Gᵀ ω̇' - (ṗᵀṗ) p; without its last term, a change of p̈."""
         graph = self.graph
         half = [graph.mul(graph.constant(0.5), value) for value in values]
         turned = across_g(graph, self.p, half)
+        if is_change:
+            return turned
         bends = [graph.mul(self.square, e) for e in self.p]
         return [graph.sub(a, b) for a, b in zip(turned, bends, strict=True)]
 

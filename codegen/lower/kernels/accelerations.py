@@ -242,8 +242,9 @@ def elimination(
     forces = scene.frictions if right is None else ()
     right = right or [system.forces + system.gamma]
     for friction in forces:  # a unit force of it
-        push = [friction.direction.get(k, scene.graph.zero) for k in range(n)]
-        right.append([*push, *[scene.graph.zero] * m])
+        push = scene.turning.six(friction.direction)
+        columns = scene.turning.of_motion(scene.n)
+        right.append([*(push.get(k, scene.graph.zero) for k in columns), *[scene.graph.zero] * m])
     if structure:
         right = [structure.kinds(scene.graph, column) for column in right]
     lengths = system.lengths
@@ -314,7 +315,7 @@ def dynamics_kernel(
             labels.solved(columns)
         if scene.frictions:
             labels.step("Friction: its forces, and what they change")
-        found = [written_back(scene, motion, column) for column in columns]
+        found = [written_back(scene, motion, column, k > 0) for k, column in enumerate(columns)]
         found = [[*column[:n], *scene.multipliers(column[n:])] for column in found]
         solution, rubbing = with_friction(scene, found)
         if scene.m == len(names):

@@ -110,17 +110,25 @@ def inertias(scene: SceneGraph, system: MotionSystem) -> dict[int, float]:
     return sizes
 
 
-def written_back(scene: SceneGraph, system: MotionSystem, solution: list[int]) -> list[int]:
-    """Accelerations by coordinates and all multipliers, from the unknowns of the system."""
+def written_back(
+    scene: SceneGraph, system: MotionSystem, solution: list[int], is_change: bool = False
+) -> list[int]:
+    """Accelerations by coordinates and all multipliers, from the unknowns of the system.
+
+    Or the changes of all by a force along coordinates other than Euler parameters.
+    """
     if not scene.turns:
         return solution
     graph, columns = scene.graph, scene.turning.of_motion(scene.n)
     found = dict(zip(columns, solution, strict=False))
     multipliers = dict(zip(system.rows, solution[system.n :], strict=True))
     for body, (turn, at) in zip(scene.equations.turning, scene.turning.turns, strict=True):
-        rates = turn.acceleration([found[at + k] for k in THREE])
+        rates = turn.acceleration([found[at + k] for k in THREE], is_change=is_change)
         found |= {turn.first + k: rate for k, rate in enumerate(rates)}
         (row,) = (i for i, k in scene.norms.items() if scene.turns[k] is turn)
+        if is_change:
+            multipliers[row] = graph.zero
+            continue
         half = [graph.mul(graph.constant(0.5), scene.pushes[turn.first + k]) for k in range(4)]
         inertia = _inertia_of(scene, body)
         momentum = [graph.dot(turn.omega, (inertia[i, k] for k in THREE)) for i in THREE]
