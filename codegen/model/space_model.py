@@ -139,7 +139,7 @@ class SpaceModel(SpaceJoints):
             self._note(f"{place} is not symmetric; give a symmetric matrix, as (K + K.T) / 2.")
         elif all(x.is_Float or x.is_Rational for x in known):
             least, *_, most = np.linalg.eigvalsh(np.array(known.tolist(), float))
-            if least < -SMALL * abs(most):
+            if least < -SMALL * abs(most) and min(known.diagonal()) >= 0:
                 self._note(
                     f"{place} has the eigenvalue {least:.6g}, in SI units; with a negative one it "
                     "drives the bodies. Check the signs and sizes of its entries that couple."

@@ -160,7 +160,7 @@ class Statics:
         a = a[:bodies].reshape(-1, 7)
         p, rates = (x[:bodies].reshape(-1, 7)[:, 3:] for x in (q, v))
         norm = np.abs(np.sum(p * a[:, 3:] + rates**2, axis=1)).max()  # of p, twice differentiated
-        values = written("reactions")["out"]
+        values = written("reactions").get("out", ())
         rows = self.lowered.description.reactions
         named = {row[:2]: k for k, row in enumerate(rows)}
 

@@ -18,7 +18,7 @@ from tests.codegen.workbench import Interpreted, State
 from tests.random_mechanisms import spatial_parts as parts
 from tests.random_mechanisms.spatial_dynamics import SpatialDense
 from tests.random_mechanisms.spatial_generator import RandomSpatialMechanism
-from tests.random_mechanisms.spatial_loops import rows, vector
+from tests.random_mechanisms.spatial_loops import rows
 from tests.random_mechanisms.spatial_statics import MET, Statics
 from tests.space.dense_machines import principal
 
@@ -39,7 +39,7 @@ def free_pair() -> tuple[Statics, SpatialDense]:
         parts.SpatialBody("a", 1.5, principal(0.3, 0.2, 0.25), (0.3, 0.1, 0.2), rows(turns[0])),
         parts.SpatialBody("b", 0.7, principal(0.1, 0.2, 0.15), (0.9, 0.5, 0.1), rows(turns[1])),
     )
-    preload: Any = vector(RANDOM.normal(size=6))
+    preload = tuple(RANDOM.normal(size=6).tolist())
     at, axes = (0.6, 0.4, 0.0), rows(turns[2])
     effects = (
         parts.Bushing("s", 0, 1, at, axes, coupled(2.0), coupled(0.3), preload),

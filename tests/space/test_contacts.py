@@ -262,8 +262,8 @@ def test_a_ball_bounces_on_a_plane_that_yields(workshop: Path) -> None:
     depth = result["floor.penetration"]
     assert depth.max() == pytest.approx(deepest, rel=1e-3)
     assert_allclose(result["floor.force"], k * depth, rtol=0.0, atol=1e-8)
-    assert_allclose(result.v("ball.vx"), 0.4, rtol=0.0, atol=1e-11)
-    assert_allclose(spins(result, "ball")[:, 2], 3.0, rtol=0.0, atol=1e-11)
+    assert_allclose(result.v("ball.vx"), 0.4, rtol=0.0, atol=1e-10)
+    assert_allclose(spins(result, "ball")[:, 2], 3.0, rtol=0.0, atol=1e-10)
 
 
 def test_spheres_that_yield_push_along_their_centres(workshop: Path) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from sympy import sin
 
 from codegen import Model, t
 from codegen.driver import build
@@ -57,7 +58,7 @@ def incline(workshop: Path) -> Any:
     axis = (np.cos(ANGLE), 0, -np.sin(ANGLE))
     guide = model.translational("guide", model.ground, block, at=(0, 0, 0), axis=axis)
     model.friction("rub", guide, model.parameter("mu", MU), static=model.parameter("mu_s", STATIC))
-    pull = [a * 25 * (1 - t) for a in axis]
+    pull = [a * (12 * sin(3 * t) - 6) for a in axis]
     model.force("pull", block, tuple(pull))
     model.scene("slide", ["gravity", "rub"])
     model.scene("pulled", ["gravity", "rub", "pull"])
@@ -94,7 +95,9 @@ def test_a_block_that_is_pulled_breaks_loose_and_sticks_as_in_the_plane(
     block, axis = model.body("block", 2.0, 0.1), (np.cos(ANGLE), -np.sin(ANGLE))
     guide = model.translational("guide", model.ground, block, axis=axis, angle=0)
     model.friction("rub", guide, MU, static=STATIC)
-    model.force("pull", block, fx=axis[0] * 25 * (1 - t), fy=axis[1] * 25 * (1 - t))
+    model.force(
+        "pull", block, fx=axis[0] * (12 * sin(3 * t) - 6), fy=axis[1] * (12 * sin(3 * t) - 6)
+    )
     model.scene("pulled", ["gravity", "rub", "pull"])
     words = {"rtol": 1e-10, "progress": False}
     flat = load(model, folder=workshop).simulate(3.0, 31, **words)
