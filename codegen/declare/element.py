@@ -208,9 +208,10 @@ class FrictionLaw:
         """ṡ; of several components √(ṡᵀṡ + creep²), along whose slopes by velocities f acts."""
         several = self.along if isinstance(self.along, tuple) else (self.along,)
         speeds = [s if kinds(s, Velocity) else rate(s) for s in several]
-        if len(speeds) == 1:
-            return speeds[0]
-        return sympy.sqrt(sympy.Add(*(s**2 for s in (*speeds, self.creep))))
+        if len(speeds) > 1 and self.creep is None:
+            raise ModelError("friction() has a slip of several components; give it creep=.")
+        parts = (*speeds, self.creep)
+        return speeds[0] if len(speeds) == 1 else sympy.sqrt(sympy.Add(*(s**2 for s in parts)))
 
 
 @declaring_class("Sticking")

@@ -396,7 +396,8 @@ def effect_expressions(effect: Any, bodies: Bodies) -> list[sympy.Basic]:
         found += (measure.value, measure.along)
     found += vars(hold).values() if hold else ()
     if law:
-        found += (law.strength, law.creep, law.slip)
+        found += (law.strength, law.creep)
+        found += law.along if isinstance(law.along, tuple) else (law.along,)
         found += (factor for load in law.contacts for entry in load for _, factor in entry)
     found += chain.from_iterable(rest for _, *rest in weights_of(effect, bodies))
     return [e for e in found if e is not None]

@@ -146,7 +146,7 @@ def measured(measure: el.Measure) -> el.Measure:
 def _friction(effect: str, law: el.FrictionLaw, law_at_rest: el.Hold | None) -> FrictionTerms:
     slip = law.slip
     direction = tuple((v.coordinate, derivative(slip, v)) for v in kinds(slip, Velocity))
-    if isinstance(law.along, tuple):  # -strength · N acts against the growth of the slip's size
+    if isinstance(law.along, tuple) and law.creep is not None:  # against the growth of its size
         slip, direction_of_slip = slip - law.creep**2 / slip, sympy.S.One
     else:
         direction_of_slip = side(effect) if law.creep is None else sympy.tanh(slip / law.creep)

@@ -314,7 +314,7 @@ class Contacts(Declarations):
                 "give one that is."
             )
 
-    def _friction_law(self, law: Any, fidelity: str | None) -> Effect:
+    def _friction_law(self, law: DryFriction | JointFriction, fidelity: str | None) -> Effect:
         """Declare a friction in each fidelity that it has the numbers for."""
         creeps = law.creep is not None
         if law.static is not None:

@@ -191,8 +191,8 @@ MISTAKES: dict[str, tuple[Callable[[Any, Any], Any], str]] = {
     ),
     "shaft that sticks": (
         lambda m, j: m.friction("F", j["shaft"], 0.1, radius=0.1),
-        ("friction in space 'F': cylindrical joint 'shaft' turns and slides, and its friction "
-        "against both at once does not stick; give creep=, in m/s."),
+        ("friction in space 'F': cylindrical joint 'shaft' turns and slides, and does not stick; "
+        "give creep=, in m/s."),
     ),
     "shaft whose fidelity is to stick": (
         lambda m, j: m.friction("F", j["shaft"], 0.1, 0.01, 0.1, fidelity="sticking"),

@@ -124,8 +124,5 @@ class JointFrictionInSpace(JointFriction):
         if self.collar is not None and not isinstance(joint, RevoluteInSpace):
             problems.append(f"{what} slides and has no thrust face; leave out collar=.")
         if self.spins_and_slides and self.creep is None:
-            problems.append(
-                f"{what} turns and slides, and its friction against both at once does not stick; "
-                "give creep=, in m/s."
-            )
+            problems.append(f"{what} turns and slides, and does not stick; give creep=, in m/s.")
         return problems + Coulomb.problems(self)
