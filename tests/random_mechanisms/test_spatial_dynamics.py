@@ -223,7 +223,8 @@ def test_a_redundant_hinge_leaves_open_what_no_row_decides() -> None:
 def test_effects_do_the_work_that_their_potentials_lose() -> None:
     """A spring off the centres, torsion through turns, a bushing, gravity: energy stays."""
     root = np.random.default_rng(3).normal(size=(6, 6))
-    K, none = tuple(map(tuple, (root @ root.T).tolist())), ((0.0,) * 6,) * 6
+    K = tuple(map(tuple, (root @ root.T + 200 * np.eye(6)).tolist()))
+    none = ((0.0,) * 6,) * 6
     bodies = (
         SpatialBody("a", 1.0, diagonal(0.3, 0.2, 0.1), (0.5, 0, 0)),
         SpatialBody("b", 1.0, diagonal(0.2, 0.3, 0.1), (1.2, 0.3, 0)),
