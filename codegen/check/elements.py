@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import sympy
 from sympy.core.relational import Relational
 
+from codegen.check.space import teeth_problems
 from codegen.declare import element as el
 from codegen.declare.body import Bodies
 from codegen.declare.element_fields import profile_problems
@@ -39,6 +40,7 @@ from codegen.declare.symbols import (
 from codegen.declare.value_reader import compile_problem
 from codegen.derive.piecewise_conditions import KINKED, STEPS, is_known_beforehand
 from codegen.elements.forces.mass_flow import MassLaw
+from codegen.elements.space.transmissions import Teeth
 from codegen.errors import ModelError
 from codegen.readers.expressions import distinct_nodes, plain_expression
 from codegen.readers.values import nearest, shown
@@ -61,6 +63,8 @@ def element_problems(
     yield from faults
     if not faults:
         numbers = [number for condition in conditions_of(element) for number in condition.numbers]
+        if isinstance(element, Teeth):
+            yield from teeth_problems(model, element)
         if isinstance(element, el.Constraint):
             yield from check.of_statement()
             yield from check.of_curves()

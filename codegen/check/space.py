@@ -1,11 +1,14 @@
-"""Checks of bodies in space: whether their inertia is one of a rigid body."""
+"""Checks of machines in space: inertia of rigid bodies, gears between joints of one carrier."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from codegen.declare.element import label
 from codegen.declare.space_body import SpaceBody
+from codegen.declare.symbols import owners
+from codegen.elements.space.transmissions import Teeth
 
 if TYPE_CHECKING:
     from codegen.model import Model
@@ -38,4 +41,27 @@ def inertia_problems(model: "Model", body: SpaceBody) -> Iterator[str]:
         yield (
             f"{where} has the principal moments {shown} kg m^2, of which the largest exceeds the "
             "sum of the others; no distribution of mass has that. Check units and axes."
+        )
+
+
+def teeth_problems(model: "Model", teeth: Teeth) -> Iterator[str]:
+    """Joints of a gear or a rack without a carrier: no body of the one turns with one of the other.
+
+    Bodies that a weld or a translational joint holds turn together.
+    """
+    names = [name for row in (teeth.angle, teeth.driven) for name in owners(row)]
+    if len(names) != 2 or not {*names} <= {*model.joints}:
+        return
+    ends = [{*model.joints[name].bodies} for name in names]
+    held = [{*j.bodies} for j in model.joints.values() if {*getattr(j, "facing", ())} == {*"hf"}]
+    for _ in held:  # a chain of them at most
+        ends[0] = ends[0].union(*(pair for pair in held if pair & ends[0]))
+    if not ends[0] & ends[-1]:
+        bodies = (" and ".join(b.name for b in model.joints[name].bodies) for name in names)
+        pairs = ", ".join(f"'{n}' of {two}" for n, two in zip(names, bodies, strict=True))
+        yield (
+            f"{label(teeth)}: joints {pairs} have no carrier in common, and the angle of a joint "
+            "is that of its second body against its first; hinge both wheels on the body that "
+            "carries them. For a coupling of other angles write model.constraint(name, B.angle - "
+            "n * A.angle)."
         )

@@ -108,11 +108,15 @@ class WrenchReaction:
     rows
         The number of rows that hold the bodies, the first ones; None: all. The forces along own
         coordinates belong to those who exert them.
+    tension
+        Of a rod: the factor of the first multiplier in the force with which it pulls its ends
+        together, the component ``"axial"``; None: there is none.
     """
 
     on: SpaceFrame
     arm: sympy.Matrix | None = None
     rows: int | None = None
+    tension: sympy.Expr | None = None
 
 
 @declaring_class("ConjugateReaction")

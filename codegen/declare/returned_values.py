@@ -263,7 +263,7 @@ _CONDITION = record(
 _JOINT_REACTION = record(
     "a JointReaction, a ConjugateReaction or None", el.JointReaction, el.ConjugateReaction,
     el.WrenchReaction, on=one_of("the frame I or J", *el.FRAMES), sign=word(1, -1),
-    direction=_vector, arm=optional(_vector),
+    direction=_vector, arm=optional(_vector), tension=optional(expression),
     components=rows("pairs of a word and a unit", words, unit, name=_first),
 )  # fmt: skip
 _OWN = "pairs (row, coordinate)"

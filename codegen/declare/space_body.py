@@ -70,9 +70,9 @@ class SpaceBody(Body):
         return (self.e0, self.e1, self.e2, self.e3)
 
     @property
-    def omega(self) -> tuple[sympy.Expr, ...]:  # type: ignore[override]
-        """The angular velocity ω' in body axes, rad/s."""
-        return spin(self.p, tuple(e.rate for e in self.p))
+    def omega(self) -> sympy.ImmutableMatrix:
+        """The angular velocity ω' in body axes, rad/s, 3 × 1."""
+        return sympy.ImmutableMatrix(spin(self.p, tuple(e.rate for e in self.p)))
 
     omega_x = component("omega", 0, "ω' about the body's x' axis, rad/s.")
     omega_y = component("omega", 1, "ω' about the body's y' axis, rad/s.")
@@ -163,7 +163,7 @@ class SpaceGround(SpaceBody):
     fixed = True
     x = y = z = vx = vy = vz = sympy.S.Zero
     e0, e1, e2, e3 = sympy.S.One, sympy.S.Zero, sympy.S.Zero, sympy.S.Zero
-    omega = (sympy.S.Zero,) * 3
+    omega = sympy.ImmutableMatrix.zeros(3, 1)
     coordinates = turning = ()
 
 

@@ -17,7 +17,7 @@ AXES = "xyz"
 def wrench(
     phi: tuple[sympy.Expr, ...], multipliers: tuple[Multiplier, ...], reaction: WrenchReaction
 ) -> tuple[tuple[str, str, sympy.Expr], ...]:
-    """(component, unit, value): fx, fy, fz, tx, ty, tz in global axes."""
+    """(component, unit, value): fx, fy, fz, tx, ty, tz in global axes; axial of a rod."""
     assert reaction.arm is not None
     on = reaction.on
     entries = {entry: sympy.Dummy(str(entry), real=True) for entry in on.A}
@@ -34,4 +34,6 @@ def wrench(
     torque = couple - sympy.Matrix(reaction.arm).xreplace(entries).cross(force)
     values = [*force, *torque.applyfunc(sympy.expand)]
     words = [*((f"f{c}", "N") for c in AXES), *((f"t{c}", "N m") for c in AXES)]
+    if reaction.tension is not None:
+        words, values = [*words, ("axial", "N")], [*values, reaction.tension * multipliers[0]]
     return tuple((*word, value.xreplace(back)) for word, value in zip(words, values, strict=True))

@@ -16,7 +16,8 @@ from codegen.readers.values import name_problem, nearest, shown
 
 TAKEN = ("time", "kinetic", "potential", "total")  # series that belong to no element
 _UNITS = {
-    **dict.fromkeys(("fx", "fy", "fz", "global_fx", "global_fy", "force", "normal"), "N"),
+    **dict.fromkeys(("fx", "fy", "fz", "axial", "force", "normal"), "N"),
+    **dict.fromkeys(("global_fx", "global_fy"), "N"),
     **dict.fromkeys(("torque", "tx", "ty", "tz"), "N m"),
     **dict.fromkeys(("ax", "ay", "az"), "m/s^2"),
 }

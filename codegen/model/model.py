@@ -31,6 +31,31 @@ if TYPE_CHECKING:
     from codegen import SceneEquations
 
 
+_INNER = (
+    *("acting", "altered", "choice", "defaults", "effects_alone", "elements", "files", "in_space"),
+    *("kind", "labels", "noted", "place_of", "recompose", "reconnected", "symbols", "together"),
+    *("token", "unit_of", "varied", "watched"),
+)
+"""Public words of a model that declare nothing: those who derive and build it read them."""
+_SYNONYMS = {
+    "body": "rigid_body part link rod",
+    "revolute": "hinge pin pivot bearing joint",
+    "spherical": "ball socket ball_and_socket rod_end joint",
+    "translational": "slider prismatic guide piston linear joint",
+    "universal": "cardan hooke u",
+    "weld": "fix fixed clamp rigid bolt",
+    "distance": "rod link tie_rod pitch_rod rope cable wire",
+    "revolute_revolute": "link rod",
+    "gear": "bevel bevel_gear differential planetary",
+    "rack_and_pinion": "rack pinion",
+    "spring": "damper spring_damper dashpot shock_absorber",
+    "rotation_driver": "actuator drive servo",
+    "translation_driver": "actuator drive",
+    "track": "point marker",
+}
+"""Method of a model → words for it elsewhere."""
+
+
 @named_attributes
 class Model(Values, Scenes, Forces, Contacts):
     """A machine, in the plane or in space.
@@ -54,6 +79,9 @@ class Model(Values, Scenes, Forces, Contacts):
     >>> hinge = model.revolute("hinge", model.ground.at(0, 0), bob.at(-1, 0))
     >>> swing = model.scene("swing", effects=["gravity"], start={"bob.phi": 0})
     """
+
+    _unlisted: tuple[str, ...] = _INNER
+    _synonyms = _SYNONYMS
 
     def __new__(cls, *_: Any, space: Any = False, **__: Any) -> "Model":
         """A machine in space where `space` says so."""

@@ -53,18 +53,19 @@ class SpaceEffects(Model):
         """A point of a body follows a law of the time along a global axis, m."""
 
     def gear(  # type: ignore[override]
-        self, name: str, i: Constraint, j: Constraint, ratio: Any, offset: Any = 0
+        self, name: str, i: Constraint, j: Constraint, ratio: Any, *, offset: Any = 0
     ) -> Constraint:
         """Two wheels mesh: the angle of joint `j` is `ratio` times that of joint `i`.
 
-        The wheels turn in these joints, such as `revolute` ones. `ratio` is negative where one
-        angle decreases as the other grows; `offset`, rad, is the angle of `j` where that of `i` is
-        0.
+        The wheels turn in these joints, such as `revolute` ones, on one carrier: each joint has
+        it, or the ground, as one of its two bodies. `ratio` is no pair of radii as in the plane: it
+        is ± R_i/R_j, negative where one angle decreases as the other grows. `offset`, rad, is the
+        angle of `j` where that of `i` is 0.
         """
         return self._teeth(GearInSpace, name, (i, j), {"ratio": ratio, "offset": offset})
 
     def rack_and_pinion(  # type: ignore[override]
-        self, name: str, pinion: Constraint, rack: Constraint, radius: Any, offset: Any = 0
+        self, name: str, pinion: Constraint, rack: Constraint, radius: Any, *, offset: Any = 0
     ) -> Constraint:
         """A pinion drives a rack: the slide of `rack` is `radius` times the angle of `pinion`.
 

@@ -239,5 +239,6 @@ def _refusal(word: str) -> Callable[..., NoReturn]:
     return refuse
 
 
+SpaceModel._unlisted = (*SpaceModel._unlisted, *REFUSED)
 for _word in REFUSED:
     setattr(SpaceModel, _word, _refusal(_word))

@@ -29,7 +29,11 @@ def wrong_call(
 ) -> str:  # fmt: skip
     """What a callable takes, and what it was given instead."""
     known = signature(function).parameters
-    takes = ", ".join(_written(p) for p in known.values() if p.name != "self")
+    written = {p.name: _written(p) for p in known.values() if p.name != "self"}
+    by_name = [p.name for p in known.values() if p.kind is Parameter.KEYWORD_ONLY]
+    if by_name and "too many" in one_line(mismatch):
+        written[by_name[0]] = f"*, {written[by_name[0]]}"
+    takes = ", ".join(written.values())
     given = [shown(a, _SHOWN) for a in arguments]
     given += [f"{one_line(k, _SHOWN)}={shown(v, _SHOWN)}" for k, v in words.items()]
     text = f"{title}: {one_line(mismatch)}; it takes ({takes}), and was given ({', '.join(given)})."
@@ -138,16 +142,23 @@ def declaring_class(owner: str) -> Callable[[Class], Class]:
 
 
 def named_attributes(cls: Class) -> Class:
-    """The class whose objects name themselves, and what they have, where an attribute is none."""
+    """The class whose objects name themselves, and what they have, where an attribute is none.
+
+    A class may have ``_unlisted``, words that are never offered, and then methods alone are listed;
+    and ``_synonyms``, word → words of others for it.
+    """
 
     def miss(of: Any, word: str) -> Any:
         if word.startswith("_") or any(word in vars(base) for base in type(of).__mro__):
             return object.__getattribute__(of, word)  # it fails with an error of its own
-        known = [w for w in {*dir(type(of)), *vars(of)} if not w.startswith("_")]
-        near = get_close_matches(word, sorted(known), n=3)
-        hint = (
-            f"did you mean {' or '.join(near)}?" if near else f"it has {', '.join(sorted(known))}."
-        )
+        own, unlisted = type(of), getattr(type(of), "_unlisted", ())
+        words = {*dir(own), *vars(of)}.difference(unlisted)
+        known, synonyms = sorted(w for w in words if w[0] != "_"), getattr(own, "_synonyms", {})
+        plain = word.lower().removeprefix("add_").removesuffix("_joint")
+        near = [w for w, others in synonyms.items() if w in known and plain in others.split()]
+        near = near or get_close_matches(word, known, n=3)
+        listed = [w for w in known if not unlisted or callable(getattr(own, w, None))]
+        hint = f"did you mean {' or '.join(near)}?" if near else f"it has {', '.join(listed)}."
         name = vars(of).get("name")
         what = type(of).__name__ + ("" if name is None else f" '{one_line(name)}'")
         raise NoAttributeError(f"{what} has no {one_line(word)!r}; {hint}")

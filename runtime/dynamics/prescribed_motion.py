@@ -7,6 +7,7 @@ beforehand.
 """
 
 import time as clock
+from collections.abc import Iterator
 from copy import copy
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -16,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError, InputError
-from codegen.object_display import counted
+from codegen.object_display import counted, listed
 from runtime.assembly.assemble import assemble
 from runtime.assembly.redundancy import redundancy_note, suited_equations
 from runtime.assembly.start_values import start_note, start_values
@@ -46,6 +47,7 @@ from runtime.validation.arguments import instants, parameter_values, require_mas
 from runtime.validation.finite_equations import left_tables, name_left_tables
 from runtime.validation.scene_support import require_mass, require_no_rigid
 
+_LOOSE = 1e-8  # accuracy: part of a body's largest slope of constraints; less is none
 _DIRECTIONS = {"crossing": int(Direction.CROSSED), "lock-up": int(Direction.LOCKED)}
 
 
@@ -63,7 +65,7 @@ def kinematics(
     if isinstance(start, Assembly):
         start = State(start.t, start.q, start.v, start.coordinates)
     begin = assemble(equations, t_start, guess, start)
-    _require_driven(mechanism, begin, analysis)
+    _require_driven(equations, begin, analysis)
     equations = suited_equations(equations, begin)
     given = start if isinstance(start, State) else start_values(mechanism, guess, start)
     preferred = begin.v if getattr(given, "spins", ()) else given.v
@@ -315,15 +317,20 @@ def _of_instants(
     return motion._replace(outcome=outcome, message=f"Stopped before t = {t:.9g} s. {text}")
 
 
-def _require_driven(mechanism: Mechanism, start: Assembly, analysis: str) -> None:
+def _require_driven(equations: Equations, start: Assembly, analysis: str) -> None:
     """Refuse a machine that its drivers leave free to move."""
     free = start.degrees_of_freedom
     if free == 0:
         return
-    description = mechanism.description
+    description = equations.description
     drivers = ", ".join(description.drivers) or "none"
     left_out = [row.name for row in description.left_out if "driver" in row.kind]
     hint = f" Declared but left out of this scene: {', '.join(left_out)}." if left_out else ""
+    if loose := [*_loose_bodies(equations, start)]:
+        hint += (
+            f" While all else stands still, {listed(loose)} may move: a rod between two ball joints"
+            " turns about its own line; make one end universal, or use distance without the rod."
+        )
     raise AnalysisError(
         f"{description.title}: {analysis.replace('_', ' ')} needs a machine without freedom, and "
         f"{free} degree{'s' if free > 1 else ''} of freedom "
@@ -332,3 +339,12 @@ def _require_driven(mechanism: Mechanism, start: Assembly, analysis: str) -> Non
         "that is missing (`linkwright check` names the bodies that one joint alone holds), or ask "
         f"for simulate.{hint}"
     )
+
+
+def _loose_bodies(equations: Equations, start: Assembly) -> Iterator[str]:
+    """The bodies in space that may move while all other bodies stand still."""
+    jacobian = equations.jacobian(start.t, start.q)
+    for body, k in equations.description.turning:
+        held = np.linalg.svd(jacobian[:, k - 3 : k + 4], compute_uv=False)
+        if len(held) < 7 or held[-1] <= _LOOSE * held[0]:
+            yield body

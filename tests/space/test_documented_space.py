@@ -24,3 +24,13 @@ def test_the_slider_crank(shown: dict[str, Any]) -> None:
     # no force does work: gravity acts on bodies that keep their height
     kinetic = 0.5e-4 * r.v("crank.omega_x") ** 2 + 1.0 * r.v("slider.vx") ** 2
     assert_allclose(kinetic, kinetic[0], rtol=1e-6)
+
+
+def test_the_differential(shown: dict[str, Any]) -> None:
+    """The mean of both wheels turns with all inertia, half their difference with theirs alone."""
+    left, right = shown["speeds"]["left"], shown["speeds"]["right"]
+    mean = 5.0 / (0.02 + 2 * 2e-3 + 1e-4 + 0.2 * 0.05**2)  # engine and grip
+    apart = -1.0 / (2 * 2e-3 + 4 * 1e-4)  # the pinion turns by twice that against the cage
+    times = shown["turned"].t
+    assert_allclose((left + right) / 2, mean * times, rtol=1e-9, atol=1e-12)
+    assert_allclose((left - right) / 2, apart * times, rtol=1e-9, atol=1e-12)

@@ -145,6 +145,18 @@ MISTAKES: dict[str, tuple[Callable[[Any, Any, Any], Any], str]] = {
         ),
         "radius of rack in space 'G': 5 degree has the dimension dimensionless, but m is needed",
     ),
+    "two radii of a gear": (
+        lambda m, a, b: m.gear("G", m.joints["hinge"], m.joints["hinge"], 0.2, 0.3),
+        "model.gear 'G': too many positional arguments; it takes (name, i, j, ratio, *, offset=0)",
+    ),
+    "gear of wheels without a carrier": (
+        lambda m, a, b: m.gear(
+            "G", m.joints["hinge"],
+            m.revolute("A", m.ground, m.body("c", 1.0, (1, 1, 1)), at=X, axis=X), 2,
+        ),
+        ("gear in space 'G': joints 'hinge' of a and b, 'A' of ground and c have no carrier in "
+         "common, and the angle of a joint is that of its second body against its first; hinge"),
+    ),
     "gear of bodies": (
         lambda m, a, b: m.gear("G", a, b, 2),
         "'G': body 'a' is no joint of 'joined' with an angle; give what model.revolute(...)",
@@ -191,6 +203,26 @@ def test_mistakes_are_told(case: str, tmp_path: Path) -> None:
     with pytest.raises(ModelError) as refusal:
         declare_and_build()
     assert text in str(refusal.value)
+
+
+@pytest.mark.parametrize("word", ["weld", "translational", "spherical"])
+def test_a_carrier_may_consist_of_bodies_that_turn_together(word: str, tmp_path: Path) -> None:
+    """The frame of the second wheel stands on a part that a weld or a guide holds to the ground."""
+    model: Any = Model("frames", space=True)
+    part, frame, a, b = (model.body(n, 1.0, (1, 1, 1)) for n in ("part", "frame", "a", "b"))
+    axis = {"axis": X} if word == "translational" else {}
+    getattr(model, word)("foot", model.ground, part, at=X, **axis)
+    model.weld("flange", part, frame, at=X)
+    pair = [
+        model.revolute(f"R{to.name}", on, to, at=X, axis=Z)
+        for on, to in ((model.ground, a), (frame, b))
+    ]
+    model.gear("G", *pair, ratio=-2)
+    if word == "spherical":
+        with pytest.raises(ModelError, match="have no carrier in common"):
+            build(model, out=tmp_path, compile=False)
+    else:
+        build(model, out=tmp_path, compile=False)
 
 
 def test_pictures_show_no_gap_where_a_joint_slides() -> None:

@@ -16,6 +16,7 @@ no angle of the mirrored closure; its slope by θ is -1 or 1 in each. The slide 
 """
 
 from copy import copy
+from dataclasses import replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -239,12 +240,18 @@ class Universal(JointInSpace):
 class DistanceInSpace(JointInSpace):
     """Two points keep their distance, as a massless rod with two ball joints makes them.
 
-    dᵀ d - L² = 0.
+    dᵀ d - L² = 0. The component "axial" of the reaction is the force 2 λ L with which the rod pulls
+    the points together, negative where it pushes them apart.
     """
 
     kind = "distance in space"
     phi, rows, numbers = LINK, ("length",), ("length",)
     length: sympy.Expr = quantity("m", "positive", advice=", or use a spherical joint")
+
+    def statement(self) -> Statement:
+        """One equation, and the tension of the rod."""
+        stated = super().statement()
+        return replace(stated, reaction=WrenchReaction(J, tension=2 * LENGTH))
 
     def shapes(self) -> Shapes:
         """A rod."""

@@ -36,9 +36,11 @@ class Teeth(Constraint):
 class GearInSpace(Teeth):
     """Two wheels mesh: the angle of one joint follows that of another, through all turns.
 
-    θ_j - n θ_i - θ_0 = 0, with the ratio n, negative where positive turns of the one make negative
-    ones of the other. The reaction is the torque on the second wheel about its axis; that on the
-    first is -n times it. The bearings' share of the teeth's force is not computed.
+    θ_j - n θ_i - θ_0 = 0, with the ratio n = ± R_i/R_j, negative where positive turns of the one
+    make negative ones of the other. Both joints have the carrier of the wheels, or the ground, as
+    one of their two bodies, and the angles are relative to it. The reaction is the torque on the
+    second wheel about its axis; that on the first is -n times it. The bearings' share of the force
+    of the teeth is not computed.
     """
 
     kind = "gear in space"
