@@ -208,10 +208,14 @@ class FrictionLaw:
     unit: str  # of f
 
     @property
+    def slips(self) -> tuple[sympy.Expr, ...]:
+        """The components of `along`."""
+        return self.along if isinstance(self.along, tuple) else (self.along,)
+
+    @property
     def slip(self) -> sympy.Expr:
         """ṡ; of several components √(ṡᵀṡ + creep²), along whose slopes by velocities f acts."""
-        several = self.along if isinstance(self.along, tuple) else (self.along,)
-        speeds = [s if kinds(s, Velocity) else rate(s) for s in several]
+        speeds = [s if kinds(s, Velocity) else rate(s) for s in self.slips]
         if len(speeds) > 1 and self.creep is None:
             raise ModelError("friction() has a slip of several components; give it creep=.")
         parts = (*speeds, self.creep)

@@ -17,7 +17,6 @@ import sympy
 
 from codegen.declare import element as el
 from codegen.declare.body import Bodies, Body, Curve, Loads
-from codegen.declare.element import label
 from codegen.declare.element_fields import Condition, Conditions, field_conditions
 from codegen.declare.symbols import KINDS, Coordinate, Time, Velocity, alpha, kinds, nonlinear_in
 from codegen.errors import LinkwrightError, ModelError
@@ -90,13 +89,13 @@ def check_attribute(element: Any, attribute: str, reader: Reader) -> None:
 
 def read_part(element: Any, what: str, reader: Reader, given: Any) -> Any:
     """What an element or body gave, as it is read; a ModelError names it and says `what` it is."""
-    return read_arguments(label(element), {what: reader}, {what: given}, ModelError)[what]
+    return read_arguments(el.label(element), {what: reader}, {what: given}, ModelError)[what]
 
 
 @contextmanager
 def named(element: Any, what: str) -> Iterator[None]:
     """A block that asks a modeller's element for something: its errors name both."""
-    where = label(element)
+    where = el.label(element)
     try:
         yield
     except LinkwrightError as error:
@@ -236,13 +235,12 @@ _along = expression_that(
     "an expression that something moves, or a linear function of velocities",
     lambda along: kinds(along, Coordinate, Time, Velocity) and not nonlinear_in(along),
 )
-_slips = several(_along, "a tuple of slips", 1)
 _FINITE = optional(number("a finite number, or None"))
 _LOAD = "a tuple of loads, each of sums of (component, factor)"
 _LAW = record(
     "a FrictionLaw or None", el.FrictionLaw, joint=words, strength=expression,
     creep=optional(_creep), unit=unit,
-    along=lambda slip: (_slips if isinstance(slip, tuple) else _along)(slip),
+    along=lambda s: (several(_along, "slips", 1) if isinstance(s, tuple) else _along)(s),
     contacts=several(several(rows(_LOAD, words, expression), _LOAD, 1), _LOAD, 1),
 )  # fmt: skip
 _HOLD = record(
@@ -321,7 +319,7 @@ def check_parts(element: Any) -> None:
 
 def problems_of(element: Any) -> list[str]:
     """The problems that an element finds itself, and those of numbers that no parameter changes."""
-    where = label(element)
+    where = el.label(element)
     lines = [one_line(problem, 1000) for problem in _problems_of(element)]
     found = [line if where in line else f"{where}: {line}" for line in lines]
     for condition in conditions_of(element):
@@ -380,7 +378,7 @@ def optional_terms(effect: Any, bodies: Bodies) -> el.OptionalTerms:
     law, hold = friction_law(effect), _hold_of(effect, bodies)
     if law and law.creep is None and not isinstance(hold, el.Sticking):
         raise ModelError(
-            f"{label(effect)}: its friction() has no creep speed, so that it sticks, but "
+            f"{el.label(effect)}: its friction() has no creep speed, so that it sticks, but "
             "hold() returns no Sticking; return one, or give creep=."
         )
     return el.OptionalTerms(law, hold, _pulls_of(effect, bodies), _reported_of(effect, bodies))
@@ -396,8 +394,7 @@ def effect_expressions(effect: Any, bodies: Bodies) -> list[sympy.Basic]:
         found += (measure.value, measure.along)
     found += vars(hold).values() if hold else ()
     if law:
-        found += (law.strength, law.creep)
-        found += law.along if isinstance(law.along, tuple) else (law.along,)
+        found += (law.strength, law.creep, *law.slips)
         found += (factor for load in law.contacts for entry in load for _, factor in entry)
     found += chain.from_iterable(rest for _, *rest in weights_of(effect, bodies))
     return [e for e in found if e is not None]
