@@ -18,6 +18,12 @@ G = (
     ((-1, 3), (1, 2), (-1, 1), (1, 0)),
 )
 """(sign, k) of each entry ± e_k of G."""
+E = (
+    ((-1, 1), (1, 0), (-1, 3), (1, 2)),
+    ((-1, 2), (1, 3), (1, 0), (-1, 1)),
+    ((-1, 3), (-1, 2), (1, 1), (1, 0)),
+)
+"""The same of E = [-e, ẽ + e0 I], with which ω = 2 E ṗ in global axes."""
 _MATRIX = tuple((i, k) for i in range(3) for k in range(3))
 
 

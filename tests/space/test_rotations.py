@@ -2,6 +2,7 @@
 
 import math
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pytest
@@ -60,8 +61,9 @@ def test_sympy_differentiates_entries_as_what_they_are() -> None:
     assert rotation_matrix((1, 0, 0, 0)) == sympy.eye(3)
 
 
-def test_slopes_by_turns_and_derivatives_along_the_motion() -> None:
-    """Of (A s)ᵀ (A s'), (A s)_x³ and |A s + c|, against A ẽ_k and A ω̃ by hand."""
+@pytest.mark.parametrize("first", [None, min, max])
+def test_slopes_by_turns_and_derivatives_along_the_motion(first: Any) -> None:
+    """Of (A s)ᵀ (A s'), (A s)_x³ and |A s + c|, against A ẽ_k and A ω̃, or ẽ_k A, by hand."""
     graph, turn = turn_of()
     s, other, c = np.array([0.3, -0.2, 0.5]), np.array([1.0, 2.0, -0.7]), np.array([0.2, 0.1, 3.0])
 
@@ -81,18 +83,20 @@ def test_slopes_by_turns_and_derivatives_along_the_motion() -> None:
         x, y = matrix @ s, matrix @ other
         return np.array([x[0] * y[1], x[0] ** 3, np.linalg.norm(x + c)])
 
-    slopes = Slopes(graph, (), [turn])
+    in_ground = first is not None
+    slopes = Slopes(graph, (), [turn], in_ground=in_ground)
     for k, value in enumerate(made):
         found = slopes.gradient({value: graph.one})
         step = 1e-6
         for axis, number in enumerate(turn.axes):
             e = np.eye(3)[axis]
-            ends = [by_hand(a @ about(e, way * step))[k] for way in (1, -1)]
+            pair = [about(e, way * step) for way in (1, -1)]
+            ends = [by_hand(by @ a if in_ground else a @ by)[k] for by in pair]
             by_difference = (ends[0] - ends[1]) / (2 * step)
             (slope,) = values(graph, [found.get(number, graph.zero)])
             assert slope == pytest.approx(by_difference, abs=1e-9)
     rates = dict(zip(turn.p, turn.rates, strict=True))
-    motion = Direction(graph, rates, jets=turn.jets())
+    motion = Direction(graph, rates, jets=turn.jets(in_ground=in_ground), first=first)
     jets = [motion.jet(value) for value in made]
     first = values(graph, [jet.first.value() for jet in jets])
     second = values(graph, [jet.second.value() for jet in jets])

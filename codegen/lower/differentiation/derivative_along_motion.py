@@ -84,6 +84,20 @@ class Parts:
             front, terms = graph.mul(graph.constant(terms), front), 1.0
         return Parts(graph, {(terms, rates): graph.mul(front, value)})
 
+    def spread(self, value: int) -> "Parts":
+        """The sum, times a value: a product a part."""
+        graph = self.graph
+        return Parts(graph, {of: graph.mul(part, value) for of, part in self.parts.items()})
+
+    def outside(self, value: int) -> "Parts":
+        """The sum, times a value that the rates multiply: what they multiplied stays outside."""
+        graph, found = self.graph, Parts(self.graph, {})
+        for (number, rates), part in self.parts.items():
+            bare = graph.unsigned(part)
+            inner = reduce(graph.mul, rates, value if bare == part else graph.neg(value))
+            found = found.plus(Parts(graph, {(number, (bare,)): inner}))
+        return found
+
     def product(self, other: "Parts") -> "Parts":
         """The sum, times another."""
         if not (self and other):
@@ -191,17 +205,21 @@ class Direction:
     """Derivatives of values of a graph along a straight line in the inputs, up to `order` 1 or 2.
 
     `rates` maps inputs to their derivatives along the line, constant on it; others have none.
-    `jets` has values whose derivatives are known, such as the entries of a rotation matrix.
+    `jets` has values whose derivatives are known, such as the entries of a rotation matrix. With
+    `first`, min or max, they are those by global axes: numbers multiply the parts of a sum, as of a
+    turned vector f, which are there, and fᵀb is kept as fᵀ(…), where what f is multiplied by serves
+    other vectors of the body too; of two turned vectors f is that of the first or last body.
     """
 
     def __init__(
         self, graph: Graph, rates: Mapping[int, int], order: int = 2,
-        jets: Mapping[int, Jet] = MappingProxyType({}),
+        jets: Mapping[int, Jet] = MappingProxyType({}), *, first: Callable[..., int] | None = None,
     ) -> None:  # fmt: skip
-        self.graph, self.order = graph, order
+        self.graph, self.order, self.first = graph, order, first
         # Slopes need no second derivative: that of aᵇ has a slope of its own without end. A cycle
         # with itself would keep the graph in memory.
-        self._inner = Direction(graph, rates, order=1, jets=jets) if order > 1 else None
+        inner = Direction(graph, rates, 1, jets, first=first) if order > 1 else None
+        self._inner = inner
         self._nothing = Jet(Parts(graph, {}), Parts(graph, {}))
         self._known = {k: Jet(self._plain(rate), self._nothing.second) for k, rate in rates.items()}
         self._known |= jets
@@ -267,6 +285,13 @@ class Direction:
     def _product(self, a: int, b: int) -> Jet:
         """n = a b: n' = a' b + a b', n'' = a'' b + 2 a' b' + a b''."""
         one, two = self._known[a], self._known[b]
+        if self.first is not None and a != b:
+            for jet, number in ((one, b), (two, a)):
+                if self.graph.settled[number]:
+                    return Jet(jet.first.spread(number), jet.second.spread(number))
+            if turned := [k for k in (a, b) if self._is_turned(k)]:
+                f = self.first(turned, key=self.graph.movers)
+                return self._of_vector(f, b if f == a else a)
         if a == b:
             rate = one.first.single()
             return self._jet(
@@ -279,6 +304,25 @@ class Direction:
                 (2.0, one.first.product(two.first)),
                 (1.0, one.second.times(b)),
                 (1.0, two.second.times(a)),
+            ),
+        )
+
+    def _is_turned(self, number: int) -> bool:
+        """Whether a value is a component of a turned vector: each part of its slope has a rate."""
+        parts = self._known[number].first.parts
+        return len(parts) > 1 and all(rates for _, rates in parts)
+
+    def _of_vector(self, f: int, b: int) -> Jet:
+        """(f b)'' = f'' b + 2 f' b' + f b'', in components of f."""
+        graph, one, two = self.graph, self._known[f], self._known[b]
+        rate = two.first.value()
+        first = one.first.outside(b).plus(Parts(graph, {(1.0, (f,)): rate}))
+        return self._jet(
+            first,
+            lambda: (
+                (1.0, one.second.outside(b)),
+                (2.0, one.first.outside(rate)),
+                (1.0, Parts(graph, {(1.0, (f,)): two.second.value()})),
             ),
         )
 

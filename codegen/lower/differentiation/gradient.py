@@ -22,9 +22,15 @@ BREAKING = frozenset({Op.DIV, Op.SQRT, Op.POW, Op.LOG, Op.TAN, Op.ASIN, Op.ACOS,
 
 
 class Slopes:
-    """Partial derivatives of values of a graph by some of its inputs, and by turns of bodies."""
+    """Partial derivatives of values of a graph by some of its inputs, and by turns of bodies.
 
-    def __init__(self, graph: Graph, inputs: Iterable[int], turns: Iterable[Turn] = ()) -> None:
+    The turns are those about axes of the bodies, or about global ones, in the ground.
+    """
+
+    def __init__(
+        self, graph: Graph, inputs: Iterable[int], turns: Iterable[Turn] = (), *,
+        in_ground: bool = False,
+    ) -> None:  # fmt: skip
         self.graph = graph
         self._by_place: dict[int, tuple[int, ...]] = {
             graph.place_of(k): (k,) for k in frozenset(inputs)
@@ -32,7 +38,8 @@ class Slopes:
         self._alone: dict[int, Direction] = {}  # input → the derivatives by it, where one is needed
         for turn in turns:
             self._by_place[graph.place_of(turn.axes[0])] = turn.axes
-            self._alone |= {axis: turn.along_axis(k) for k, axis in enumerate(turn.axes)}
+            for k, axis in enumerate(turn.axes):
+                self._alone[axis] = turn.along_axis(k, in_ground=in_ground)
         self._all = sum(1 << place for place in self._by_place)
 
     def gradient(self, weights: Mapping[int, int]) -> dict[int, int]:

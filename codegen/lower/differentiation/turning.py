@@ -4,15 +4,20 @@ The nine entries of A are leaves of differentiation. A turn δπ' about the body
 them by ∂A/∂π'_k = A ẽ_k, a signed swap of columns that costs nothing, as sin' = cos does in the
 plane; along the motion Ȧ = A ω̃' and, without accelerations, Ä = A ω̃' ω̃'.
 
+The same holds by turns δπ about global axes, ∂A/∂π_k = ẽ_k A, Ȧ = ω̃ A and ω = 2 E ṗ. There the
+slopes of a turned vector A a' are its own components, of either sign, and Φ_p = 2 Φ_π E, so that
+the columns of p cost less; the axes of the body cost less where ω' and Φ_π' are needed as well.
+
 The Euler parameters themselves bend, too: p̈ = ½ Gᵀ ω̇' - (ṗᵀṗ) p, whose second term belongs to the
 motion without accelerations. So equations that a user writes in e0 ... e3 are differentiated by the
 same walk, and with Φ_π' = ½ Φ_p Gᵀ they have the columns of all others.
 """
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cached_property, partial
+from typing import Any
 
-from codegen.declare.rotation_entries import G
+from codegen.declare.rotation_entries import E, G
 from codegen.lower.differentiation.derivative_along_motion import (
     PLAIN,
     Direction,
@@ -43,21 +48,21 @@ def spin_entry(graph: Graph, k: int, p: Sequence[int], rates: Sequence[int]) -> 
     return along_g(graph, k, [graph.mul(graph.constant(2.0), e) for e in p], rates)
 
 
-def along_g(graph: Graph, k: int, p: Sequence[int], values: Sequence[int]) -> int:
-    """Row k of G(p), times values."""
+def along_g(graph: Graph, k: int, p: Sequence[int], values: Sequence[int], matrix: Any = G) -> int:
+    """Row k of G(p) or E(p), times values."""
     total = graph.zero
-    for (sign, j), value in zip(G[k], values, strict=True):
+    for (sign, j), value in zip(matrix[k], values, strict=True):
         combine = graph.add if sign > 0 else graph.sub
         total = combine(total, graph.mul(p[j], value))
     return total
 
 
-def across_g(graph: Graph, p: Sequence[int], values: Sequence[int]) -> list[int]:
-    """Gᵀ(p), times three values: four."""
+def across_g(graph: Graph, p: Sequence[int], values: Sequence[int], matrix: Any = G) -> list[int]:
+    """Gᵀ(p) or Eᵀ(p), times three values: four."""
     totals = []
     for column in range(4):
         total = graph.zero
-        for row, value in zip(G, values, strict=True):
+        for row, value in zip(matrix, values, strict=True):
             sign, j = row[column]
             combine = graph.add if sign > 0 else graph.sub
             total = combine(total, graph.mul(p[j], value))
@@ -88,43 +93,54 @@ class Turn:
         """ṗᵀṗ."""
         return self.graph.dot(self.rates, self.rates)
 
-    def along_axis(self, k: int) -> Direction:
-        """The direction of a turn about the body's axis k."""
-        after, before = (k + 1) % 3, (k + 2) % 3
+    def along_axis(self, k: int, *, in_ground: bool = False) -> Direction:
+        """The direction of a turn about the body's axis k, or the global one."""
         slopes = dict[int, int]()
-        for row in self.entries:
-            slopes |= {row[after]: row[before], row[before]: self.graph.neg(row[after])}
+        after, before = self._others(k, in_ground)
+        for line in self._lines(in_ground):
+            slopes |= {line[after]: line[before], line[before]: self.graph.neg(line[after])}
         return Direction(self.graph, slopes, order=1)
 
-    def jets(self) -> dict[int, Jet]:
-        """Derivatives of A and p along the motion, without accelerations."""
-        graph, jets = self.graph, dict[int, Jet]()
-        spins = [[graph.mul(a, b) for b in self.omega] for a in self.omega]
-        for row in self.entries:
+    def _lines(self, in_ground: bool) -> list[list[int]]:
+        """The rows of A, which turn with the body's axes, or its columns."""
+        return list(map(list, zip(*self.entries, strict=True))) if in_ground else self.entries
+
+    def _others(self, k: int, in_ground: bool) -> tuple[int, int]:
+        """The other axes in their order, or in the opposite one, as of Aᵀ, with -ω for ω'."""
+        after, before = (k + 1) % 3, (k + 2) % 3
+        return (before, after) if in_ground else (after, before)
+
+    def jets(self, *, in_ground: bool = False) -> dict[int, Jet]:
+        """Derivatives of A and p along the motion, without accelerations, by ω' or by ω."""
+        graph, jets, omega = self.graph, dict[int, Jet](), self.omega
+        if in_ground:
+            omega = [along_g(graph, k, self.double, self.rates, E) for k in THREE]
+        spins = [[graph.mul(a, b) for b in omega] for a in omega]
+        for line in self._lines(in_ground):
             for k in THREE:
-                after, before = (k + 1) % 3, (k + 2) % 3
+                after, before = self._others(k, in_ground)
                 first: dict[Factors, int] = {
-                    (1.0, (self.omega[before],)): row[after],
-                    (1.0, (self.omega[after],)): graph.neg(row[before]),
+                    (1.0, (omega[before],)): line[after],
+                    (1.0, (graph.neg(omega[after]),)): line[before],
                 }
                 both = graph.add(spins[after][after], spins[before][before])
-                second: dict[Factors, int] = {(1.0, (both,)): graph.neg(row[k])}
+                second: dict[Factors, int] = {(1.0, (graph.neg(both),)): line[k]}
                 for j in (after, before):
-                    second[1.0, (spins[min(j, k)][max(j, k)],)] = row[j]
-                jets[row[k]] = Jet(Parts(graph, first), Parts(graph, second))
+                    second[1.0, (spins[min(j, k)][max(j, k)],)] = line[j]
+                jets[line[k]] = Jet(Parts(graph, first), Parts(graph, second))
         for e, rate in zip(self.p, self.rates, strict=True):
             bend = Parts(graph, {PLAIN: graph.neg(graph.mul(self.square, e))})
             jets[e] = Jet(Parts(graph, {PLAIN: rate}), bend)
         return jets
 
-    def seven(self, values: Sequence[int]) -> list[int]:
-        """Slopes or forces by p, from those by π': 2 Gᵀ times them."""
-        return across_g(self.graph, self.double, values)
+    def seven(self, values: Sequence[int], matrix: Any = G) -> list[int]:
+        """Slopes or forces by p, from those by π' or, with E, by π: 2 Gᵀ times them."""
+        return across_g(self.graph, self.double, values, matrix)
 
-    def six(self, values: Sequence[int]) -> list[int]:
-        """Slopes or forces by π', from those by p: ½ G times them."""
+    def six(self, values: Sequence[int], matrix: Any = G) -> list[int]:
+        """Slopes or forces by π' or, with E, by π, from those by p: ½ G times them."""
         half = [self.graph.mul(self.graph.constant(0.5), value) for value in values]
-        return [along_g(self.graph, k, self.p, half) for k in THREE]
+        return [along_g(self.graph, k, self.p, half, matrix) for k in THREE]
 
     def acceleration(self, values: Sequence[int], is_change: bool = False) -> list[int]:
         """p̈ = ½ Gᵀ ω̇' - (ṗᵀṗ) p; without its last term, a change of p̈."""
@@ -159,18 +175,18 @@ class TurningColumns:
             found += range(starts[k], starts[k] + 3) if k in starts else [] if k in inner else [k]
         return found
 
-    def six(self, row: Row) -> Row:
+    def six(self, row: Row, matrix: Any = G) -> Row:
         """A row of slopes or forces in the columns of motion."""
         for turn, at in self.turns:
             given = [row.get(turn.first + k, self.graph.zero) for k in range(4)]
-            row = self._moved(row, turn.first, given, at, turn.six)
+            row = self._moved(row, turn.first, given, at, partial(turn.six, matrix=matrix))
         return row
 
-    def seven(self, row: Row) -> Row:
+    def seven(self, row: Row, matrix: Any = G) -> Row:
         """A row of slopes or forces in the columns of coordinates."""
         for turn, at in self.turns:
             given = [row.get(at + k, self.graph.zero) for k in THREE]
-            row = self._moved(row, at, given, turn.first, turn.seven)
+            row = self._moved(row, at, given, turn.first, partial(turn.seven, matrix=matrix))
         return row
 
     def _moved(

@@ -159,7 +159,7 @@ Solution = tuple[list[list[int]], SparseRows]
 
 def correction(scene: SceneGraph) -> Kernel:
     """The kernel of a scene in all its coordinates."""
-    equations, stated = (scene.graph, scene.jacobian, scene.phi, scene.nu), scene.stated
+    equations, stated = (scene.graph, scene.body_jacobian, scene.phi, scene.nu), scene.stated
     kernel = least_correction(*equations, scene.v, scene.w, scene.names, scene.rows)
     if scene.turns and scene.m < scene.n:
         with scene.graph.serving("correction"), scene.graph.cancelling():

@@ -76,9 +76,9 @@ def with_independent_rows(scene: SceneGraph, shared: Sequence[SharedRows]) -> Sc
         found.weights = [weights[i] for i in places]
         found.m = len(places)
         found.rows, found.owners = ([of[i] for i in places] for of in (scene.rows, scene.owners))
-        found.phi, found.nu, found.gamma = (
+        found.phi, found.nu, found.gamma, found.turned_gamma = (
             [graph.dot(row.values(), [of[i] for i in row]) for row in found.weights]
-            for of in (scene.phi, scene.nu, scene.gamma)
+            for of in (scene.phi, scene.nu, scene.gamma, scene.turned_gamma)
         )
         found.jacobian, found.turned_jacobian = (
             _combined(scene, found.weights, of) for of in (scene.jacobian, scene.turned_jacobian)

@@ -79,7 +79,7 @@ def motion_system(scene: SceneGraph) -> MotionSystem:
         [names[k] for k in columns], [rates[k] for k in columns], [owners[k] for k in columns],
         [units[k] for k in columns], rows, dict(sorted(mass.items())),
         dict(sorted(jacobian.items())), [pushes.get(k, graph.zero) for k in columns],
-        [scene.gamma[i] for i in rows], [speeds[k] for k in columns],
+        [scene.turned_gamma[i] for i in rows], [speeds[k] for k in columns],
     )  # fmt: skip
 
 
