@@ -23,7 +23,8 @@ def found_models(folder: Path | None) -> dict[str, list[ModelText]]:
     """Title → models of a folder, or of all where commands look for them: here, the library's."""
     here, library = Path.cwd(), models_folder()
     own = here / "models"
-    places = {"this folder": here, "models": own, "models/space": own / "space"}
+    places = {"this folder": here, "space": here / "space"}
+    places |= {"models": own, "models/space": own / "space"}
     if library is not None and library.resolve() not in (here.resolve(), own):
         places |= {LIBRARY: library, IN_SPACE: library / "space"}
     if folder is not None:
@@ -31,7 +32,7 @@ def found_models(folder: Path | None) -> dict[str, list[ModelText]]:
             raise InputError(
                 f"{shown(str(folder))} is no folder; give the folder of some model files."
             )
-        places = {one_line(folder): folder}
+        places = {one_line(folder): folder, f"{one_line(folder)}/space": folder / "space"}
     return {title: models_in(path) for title, path in places.items() if path.is_dir()}
 
 
