@@ -11,7 +11,7 @@ in the plane columns with few entries come first, unless others say far more.
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from itertools import combinations, repeat
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -80,8 +80,9 @@ def _chosen(
             if rest.size and np.isfinite(flat).all():
                 values = flat.reshape(-1, len(lengths)) * lengths
                 at.append((rest, np.vstack([np.eye(len(lengths)), values])))
-    in_plane = repeat(not scene.turns)  # columns of Euler parameters vanish in some poses
-    return tuple(map(_best, joints, redundant, candidates, seen, in_plane))
+    in_plane = not scene.turns  # columns of Euler parameters vanish in some poses
+    found = zip(joints, redundant, candidates, seen, strict=True)
+    return tuple(_best(*joint, in_plane) for joint in found)
 
 
 def _loses_direction(

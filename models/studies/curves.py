@@ -1,6 +1,6 @@
 """A figure of curves over the time."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from matplotlib.figure import Figure
@@ -21,3 +21,14 @@ def over_time(title: str, unit: str, curves: Mapping[str, tuple[Any, Any]]) -> F
     if len(curves) > 1:
         axes.legend(ncols=3, loc="upper center", bbox_to_anchor=(0.5, -0.18))
     return figure
+
+
+Plot = tuple[str, str, str, Callable[[Any], Any]]
+"""Number, title, unit, and a run's values."""
+
+
+def of_runs(runs: Mapping[str, Any], *plots: Plot) -> Iterator[tuple[str, Figure]]:
+    """(number, picture) of each plot, with a curve a run by its label."""
+    for number, title, unit, values in plots:
+        curves = {label: (run.t, values(run)) for label, run in runs.items()}
+        yield number, over_time(title, unit, curves)

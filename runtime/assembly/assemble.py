@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AssemblyError
-from runtime.assembly import redundancy, regular_start
+from runtime.assembly import redundancy
 from runtime.assembly.far_starts import note_on_start
 from runtime.assembly.joint_closing import CLOSED, Task, close
 from runtime.assembly.mirrored_joints import mirror_note
@@ -26,7 +26,13 @@ from runtime.assembly.open_joints import (
     why_open,
 )
 from runtime.assembly.redundancy import Findings, is_clearly_independent
-from runtime.assembly.regular_start import LARGEST, VELOCITY_CLOSED, find_regular_start, weights
+from runtime.assembly.regular_start import (
+    LARGEST,
+    VELOCITY_CLOSED,
+    find_regular_start,
+    place_counted,
+    weights,
+)
 from runtime.assembly.start_spins import with_spins
 from runtime.assembly.start_values import MOVED, Start, start_of_state, start_values
 from runtime.core.arrays import EPS
@@ -72,7 +78,7 @@ def assemble(
         given |= start_at or {}
     t = float(t)
     equations.start.arrays["ease_q"][:] = start.ease[0]
-    regular_start.place_counted(equations.start.table, t, equations.p, start.q)
+    place_counted(equations.start.table, t, equations.p, start.q)
     regular = find_regular_start(equations, t, start)
     if regular is None:
         q, v, scale, start, findings = _irregular_start(equations, t, start, given)
