@@ -1,7 +1,7 @@
 """``python -m benchmarks [NAME]...``: tables.
 
-NAME: elements, kernels, machines, compressor, scenes or accuracy, all of them without names; peers,
-with problems after it or all; growth; builds; runs; first; ensemble.
+NAME: elements, elements_in_space, kernels, machines, compressor, scenes or accuracy, all of them
+without names; peers, with problems after it or all; growth; builds; runs; first; ensemble.
 """
 
 import sys
@@ -21,6 +21,7 @@ from benchmarks import (
     contest,
     contest_report,
     elements,
+    elements_in_space,
     ensemble_speed,
     first_result,
     growth,
@@ -32,6 +33,7 @@ from benchmarks import (
     scenes,
     twins,
 )
+from benchmarks.element_sample import Sample
 from benchmarks.problems import PROBLEMS
 from benchmarks.report import Report, finish, records, save, verdict
 
@@ -56,9 +58,20 @@ def cells(row: twins.Row) -> tuple[str, ...]:
 
 
 def of_elements(quick: bool) -> list[Report]:
-    """Every joint, driver and force, against its hand-written twin."""
+    """Every joint, driver and force of the plane, against its hand-written twin."""
+    title = "elements: generated kernels and hand-written twins"
+    return [_of_samples("elements", title, elements.PLANAR, quick)]
+
+
+def of_elements_in_space(quick: bool) -> list[Report]:
+    """The same of those in space."""
+    title = "elements in space: generated kernels and hand-written twins"
+    return [_of_samples("elements_in_space", title, elements_in_space.SAMPLES, quick)]
+
+
+def _of_samples(name: str, title: str, samples: Sequence[Sample], quick: bool) -> Report:
     with tempfile.TemporaryDirectory() as folder:
-        pairs = elements.twins(elements.SAMPLES, Path(folder) / "generated")
+        pairs = elements.twins(samples, Path(folder) / "generated")
         rows = twins.measure(pairs, *((5_000, 2) if quick else (4_000, 500)))
     worst = max(rows, key=lambda row: row.ratio)
     most = max(rows, key=lambda row: row.operations - row.hand_operations)
@@ -73,10 +86,9 @@ def of_elements(quick: bool) -> list[Report]:
         f"{enough} of {len(rows)} need no more operations than by hand; the most too many needs "
         f"{most.kernel} of {most.subject}, {most.operations} for {most.hand_operations}."
     )
-    title = "elements: generated kernels and hand-written twins"
     table = [(row.subject, row.kernel, *cells(row)) for row in rows]
     headings = ("element", "kernel", *SIDES)
-    return [Report("elements", title, headings, table, (mean, slowest, counts), records(rows), 2)]
+    return Report(name, title, headings, table, (mean, slowest, counts), records(rows), 2)
 
 
 def of_kernels(quick: bool) -> list[Report]:
@@ -186,6 +198,7 @@ def of_scenes(quick: bool) -> list[Report]:
 
 MEASUREMENTS = {
     "elements": of_elements,
+    "elements_in_space": of_elements_in_space,
     "kernels": of_kernels,
     "machines": of_machines,
     "compressor": of_compressor,
@@ -224,8 +237,9 @@ def main(
     names: Annotated[
         list[str] | None,
         typer.Argument(
-            help="elements, kernels, machines, compressor, scenes, accuracy: all without a "
-            "name; peers, with problems after it or all; growth; builds; runs; first; ensemble."
+            help="elements, elements_in_space, kernels, machines, compressor, scenes, accuracy: "
+            "all without a name; peers, with problems after it or all; growth; builds; runs; "
+            "first; ensemble."
         ),
     ] = None,
     quick: Annotated[bool, typer.Option(help="Fewer repeats; times are rough.")] = False,

@@ -4,12 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from codegen import Model
-from codegen.declare.body import Point
-
 RHS = "acceleration_rhs"
 
-Declare = Callable[[Model, Point, Point], Any]
+Declare = Callable[[Any, Any, Any], Any]
+"""A model and two points, in the plane or in space."""
 
 
 @dataclass(frozen=True)
@@ -26,12 +24,15 @@ class Sample:
         Adds it to a model between two points.
     twins
         Generated kernel → hand-written one.
+    space
+        Whether the model is one in space.
     """
 
     kind: str
     label: str
     declare: Declare
     twins: dict[str, Any]
+    space: bool = False
 
 
 def joint(kind: str, declare: Declare, jacobian: Any, rhs: Any, label: str = "") -> Sample:

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from sympy import cos, sin
 
+from benchmarks import elements_in_space
 from benchmarks.element_sample import RHS, Sample, joint
-from benchmarks.hand import cams, drivers, forces, joints
+from benchmarks.hand import cams, drivers, forces, joints, space, space_forces
 from benchmarks.transmissions import TRANSMISSIONS
 from benchmarks.twins import Generated, States, Twin, generate
 from codegen import Model, alpha, t
@@ -147,16 +148,21 @@ DRIVERS = (
     ),
 )
 
-SAMPLES = JOINTS + DRIVERS + forces.SAMPLES + TRANSMISSIONS
+PLANAR = JOINTS + DRIVERS + forces.SAMPLES + TRANSMISSIONS
+SAMPLES = PLANAR + elements_in_space.SAMPLES
 
 
 def generated(sample: Sample, folder: Path) -> Generated:
     """The element's kernels, from a model with two bodies."""
-    model = Model(f"sample_{SAMPLES.index(sample)}")
-    i = model.body("i", mass=forces.MASS_I, inertia=0.1)
-    points = [i.at(*S_I)]
-    if sample.kind != "friction":
-        points.append(model.body("j", mass=forces.MASS_J, inertia=0.2).at(*S_J))
+    model = Model(f"sample_{SAMPLES.index(sample)}", space=sample.space)
+    if sample.space:
+        i, j = (model.body(*of) for of in space_forces.BODIES)
+        points = [i.at(*space.SI), j.at(*space.SJ)]
+    else:
+        i = model.body("i", mass=forces.MASS_I, inertia=0.1)
+        points = [i.at(*S_I)]
+        if sample.kind != "friction":
+            points.append(model.body("j", mass=forces.MASS_J, inertia=0.2).at(*S_J))
     sample.declare(model, points[0], points[-1])
     model.scene("alone", effects=model.effects, drivers=model.drivers)
     return generate(model, "alone", tuple(sample.twins), folder)
@@ -165,11 +171,17 @@ def generated(sample: Sample, folder: Path) -> Generated:
 def states(module: Any) -> States:
     """Positions and velocities anywhere: the formulas hold off the constraints too.
 
+    Euler parameters alone have the length 1, and rates that keep it.
+
     Conditions hold in the first half of the states and not in the second, so that a processor that
     guesses branches guesses all but two right.
     """
     random, n = np.random.default_rng(7), len(module.COORDINATES)
     q, v = random.uniform(-2.0, 2.0, (2, STATES, n))
+    for _, first in getattr(module, "TURNING", ()):
+        e, rates = (of[:, first : first + 4] for of in (q, v))
+        e /= np.linalg.norm(e, axis=1, keepdims=True)
+        rates -= e * (e * rates).sum(axis=1, keepdims=True)
     held = np.arange(STATES) < STATES // 2
     modes = np.repeat(held[:, None], len(module.SWITCHES), axis=1).astype(np.int64)
     return States(q, v, np.ascontiguousarray(modes))

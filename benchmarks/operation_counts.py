@@ -35,11 +35,19 @@ def _tally(function: Any) -> Counter[str]:
     python = getattr(function, "py_func", function)
     tree = ast.parse(textwrap.dedent(inspect.getsource(python)))
     definition: Any = tree.body[0]
-    body = [node for statement in definition.body for node in ast.walk(statement)]
+    body = [node for statement in definition.body for node in _computed(statement)]
     counts: Counter[str] = Counter()
     for kind in _kinds(body, python.__globals__):
         counts += kind
     return counts
+
+
+def _computed(node: ast.AST) -> Iterator[ast.AST]:
+    """The nodes of a statement, without those of places in arrays."""
+    yield node
+    inner = [node.value] if isinstance(node, ast.Subscript) else ast.iter_child_nodes(node)
+    for child in inner:
+        yield from _computed(child)
 
 
 def _kinds(nodes: list[ast.AST], names: dict[str, Any]) -> Iterator[Counter[str]]:

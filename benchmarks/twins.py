@@ -25,7 +25,7 @@ Array = npt.NDArray[np.float64]
 Modes = npt.NDArray[np.int64]
 RESOLUTION = 1.0
 """Nanoseconds below which a net time is the loop's noise; shorter ones count as this in a ratio."""
-OUTPUTS = 64
+OUTPUTS = 96
 """Room for what any kernel here writes."""
 LOOPS: dict[str, tuple[Any, Any]] = {
     "jacobian": (kernel_timing.many_positions, kernel_timing.no_position),
