@@ -28,6 +28,7 @@ from codegen.model import Model
 from codegen.readers.values import nearest, shown
 from codegen.reading.scene_selection import valid_scenes
 from codegen.reference.equations import constraint_sections, effect_sections
+from codegen.reference.vector_equations import block
 
 
 class Pair(Model):
@@ -112,7 +113,12 @@ IN_SPACE = """# Elements of machines in space
 Kinds of `Model(name, space=True)` whose equations are not those of the plane. r_i^P is the point \
 of body i, d the way from it to that of body j; f, g and h are unit vectors of a body, \
 perpendicular to each other, h along the axis of the joint. A is the rotation matrix of a body, \
-Q_r the force on it; s' is the place of its point, n' the torque, in its axes."""
+Q_r the force on it; s' is the place of its point, n' the torque, in its axes.
+
+The entries of Φ_q are columns, those by turns δπ about global axes; in the axes of the body \
+Φ_π' = Φ_π A, and by Euler parameters Φ_p = 2 Φ_π E with E = [-e, ẽ + e0 I]. s_i and s_j lead from \
+the centres of mass to the points. Without accelerations ḟ = ω × f and f̈ = ω × (ω × f) for a \
+vector of a body, ḋ = ṙ_j + ṡ_j - ṙ_i - ṡ_i and d̈ = s̈_j - s̈_i. θ is an angle that a joint counts."""
 ABOUT = """# Elements
 
 The joints, drivers and forces of the library. Each page shows the equations of an element as they \
@@ -176,13 +182,15 @@ def index(kinds: dict[str, Kind]) -> str:
 
 
 def space_page() -> str:
-    """The docstrings of the library's kinds in space, role by role."""
+    """The library's kinds in space, role by role: docstrings, and equations in vectors."""
     known = [kind for kind in kinds_of_elements(space=True).values() if not kind.is_user_defined]
     sections = [IN_SPACE]
     for role, heading in ROLES.items():
         chosen = (kind for kind in known if kind.role == role)
-        texts = (f"### {kind.name.removesuffix(' in space')}\n\n{kind.text}" for kind in chosen)
-        sections += [f"## {heading}", *texts]
+        sections.append(f"## {heading}")
+        for kind in chosen:
+            sections += [f"### {kind.name.removesuffix(' in space')}", kind.text]
+            sections += [block(kind.element.phi)] if hasattr(kind.element, "phi") else []
     return "\n\n".join((*sections, WRITTEN)) + "\n"
 
 
