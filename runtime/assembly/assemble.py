@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AssemblyError
-from runtime.assembly import redundancy
+from runtime.assembly import redundancy, regular_start
 from runtime.assembly.far_starts import note_on_start
 from runtime.assembly.joint_closing import CLOSED, Task, close
 from runtime.assembly.mirrored_joints import mirror_note
@@ -26,13 +26,6 @@ from runtime.assembly.open_joints import (
     why_open,
 )
 from runtime.assembly.redundancy import Findings, is_clearly_independent
-from runtime.assembly.regular_start import (
-    LARGEST,
-    VELOCITY_CLOSED,
-    find_regular_start,
-    place_counted,
-    weights,
-)
 from runtime.assembly.start_spins import with_spins
 from runtime.assembly.start_values import MOVED, Start, start_of_state, start_values
 from runtime.core.arrays import EPS
@@ -78,8 +71,8 @@ def assemble(
         given |= start_at or {}
     t = float(t)
     equations.start.arrays["ease_q"][:] = start.ease[0]
-    place_counted(equations.start.table, t, equations.p, start.q)
-    regular = find_regular_start(equations, t, start)
+    regular_start.place_counted(equations.start.table, t, equations.p, start.q)
+    regular = regular_start.find_regular_start(equations, t, start)
     if regular is None:
         q, v, scale, start, findings = _irregular_start(equations, t, start, given)
     else:
@@ -109,7 +102,8 @@ def _irregular_start(
     size = equations.size(t, start.q)
     task = Task(
         equations, t, equations.scale(size), equations.row_scale(t, start.q, size),
-        rows=np.ones(equations.m, dtype=np.bool_), free=~start.fixed_q, weight=weights(start),
+        rows=np.ones(equations.m, dtype=np.bool_), free=~start.fixed_q,
+        weight=regular_start.weights(start),
     )  # fmt: skip
     closing = close(task, start.q)
     if not closing.closed:
@@ -135,7 +129,7 @@ def _require_magnitude(
     """Refuse values so large that the equations lose all digits."""
     arrays = equations.constraints(t, q), equations.slopes(t, q), q
     largest = max(float(np.abs(values).max(initial=0.0)) for values in arrays)
-    if largest <= LARGEST:
+    if largest <= regular_start.LARGEST:
         return
     require_finite(equations, t, q, np.zeros_like(q))
     for row, value in zip(equations.description.parameters, equations.p.tolist(), strict=False):
@@ -143,8 +137,8 @@ def _require_magnitude(
     values = ", ".join(f"{name} = {value:g}" for name, value in given.items())
     raise AssemblyError(
         f"{equations.description.title}: the values are out of scale: lengths and angles in the "
-        f"constraints reach {largest:g} at t = {t:g} s, and {LARGEST:g} is the most that can be "
-        f"computed with. Given: {values or 'nothing but the defaults'}."
+        f"constraints reach {largest:g} at t = {t:g} s, and {regular_start.LARGEST:g} is the most "
+        f"that can be computed with. Given: {values or 'nothing but the defaults'}."
     )
 
 
@@ -188,7 +182,7 @@ def _velocities(task: Task, start: Start, q: FloatArray) -> FloatArray:
         right = (matrix @ v - nu) / unit
         v[free] -= np.linalg.lstsq(dense, right, rcond=CLOSED)[0] * scale[free]
     gaps = matrix @ v - nu
-    most = VELOCITY_CLOSED * max(1.0, float(np.abs(v / task.scale).max(initial=0.0)))
+    most = regular_start.VELOCITY_CLOSED * max(1.0, float(np.abs(v / task.scale).max(initial=0.0)))
     if np.abs(gaps / task.row_scale).max(initial=0.0) > most:
         open_by = misses(task, q, gaps, most, "/s")
         if start.fixed_v.any():
