@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import sympy
 
-from codegen.declare.rotation_entries import E
 from codegen.declare.symbols import (
     LETTERS,
     SPEED,
@@ -20,9 +19,8 @@ from codegen.derive.piecewise_conditions import Boundary
 from codegen.errors import ModelError
 from codegen.lower.differentiation.derivative_along_motion import Direction
 from codegen.lower.differentiation.gradient import Slopes
-from codegen.lower.differentiation.turning import Turn, TurningColumns
+from codegen.lower.differentiation.turning import Turn, TurningColumns, jets_of
 from codegen.lower.graph import Graph
-from codegen.lower.program import dependencies
 from codegen.lower.sympy_translation import Translator
 
 
@@ -81,7 +79,6 @@ class SceneGraph:
         self.phi: list[int] = []  # Φ, as ν and γ one value a constraint
         self.nu: list[int] = []
         self.gamma: list[int] = []
-        self.turned_gamma: list[int] = []  # γ, as it costs least beside the turned Jacobian and ω'
         self._bends: list[list[int]] = []  # of each row γ by every way in which bodies turn
         self.jacobian: dict[tuple[int, int], int] = {}  # (row, column) → value, non-zeros in order
         # the same in the columns of the accelerations that are solved for, where bodies turn
@@ -103,19 +100,14 @@ class SceneGraph:
         }
         self.turning = TurningColumns(graph, self.turns, self.n)
         self.slopes = Slopes(graph, (*self.q, self.time), self.turns)  # by q and t
-        # the same for the columns of Euler parameters
         self._slopes_in_ground = Slopes(graph, (*self.q, self.time), self.turns, in_ground=True)
         velocities = dict(zip(self.q, self.v, strict=True))
-        jets, in_ground = (
-            {v: jet for turn in self.turns for v, jet in turn.jets(in_ground=where).items()}
-            for where in (False, True)
-        )
+        jets, in_ground = (jets_of(self.turns, in_ground=where) for where in (False, True))
         self.moving = Direction(graph, velocities, order=1, jets=jets)  # along q̇ with t held
         along = {**velocities, self.time: graph.one}
         self.motion = Direction(graph, along, jets=jets)  # along q̇ and t
-        self._motions = [self.motion]
-        if self.turns:
-            self._motions += [Direction(graph, along, jets=in_ground, first=k) for k in (min, max)]
+        in_space = (Direction(graph, along, jets=in_ground, first=k) for k in (min, max))
+        self._motions = [self.motion, *(in_space if self.turns else ())]
         # what elements on the ground, and all constraints, exert on the bodies, where it is asked
         columns = self.n + 3 * len(self.turns)
         self.of_ground = [graph.zero] * columns if equations.shakes else []
@@ -189,26 +181,7 @@ class SceneGraph:
                             for k, lam in enumerate(terms.multipliers)
                         }
         self.jacobian = dict(sorted(self.jacobian.items()))
-        beside = [*self.turned_jacobian.values(), *(w for turn in self.turns for w in turn.omega)]
-        self.gamma, self.turned_gamma = map(self._cheapest_gamma, ([], beside))
-
-    @property
-    def body_jacobian(self) -> dict[tuple[int, int], int]:
-        """Φ_q from the turned Jacobian, whose values are there where accelerations are."""
-        if not self.turns:
-            return self.jacobian
-        rows: dict[int, dict[int, int]] = {i: {} for i in range(self.m)}
-        norms = (pair for pair in self.jacobian.items() if pair[0][0] in self.norms)
-        for (i, k), slope in (*norms, *self.turned_jacobian.items()):
-            rows[i][k] = slope
-        pairs = ((i, self.turning.seven(row)) for i, row in rows.items())
-        return {(i, k): slope for i, row in pairs for k, slope in row.items()}
-
-    def _cheapest_gamma(self, beside: list[int]) -> list[int]:
-        """γ by the way of turning that needs the fewest values, some of which are there."""
-        ways = list(map(list, zip(*self._bends, strict=True))) or [[]]
-        values = self.graph.values
-        return min(ways, key=lambda gamma: len(dependencies(values, [*gamma, *beside])))
+        self.gamma, self.turned_gamma = self.turning.gammas(self._bends, self.turned_jacobian)
 
     def _row(self, phi: int) -> None:
         """Add Φ, Φ_q, ν and γ of one constraint."""
@@ -220,11 +193,10 @@ class SceneGraph:
             self.turned_jacobian |= {(len(self.phi), k): slope for k, slope in turned.items()}
             found = self._slopes_in_ground.gradient({phi: graph.one})
             row = {self._column_of[q]: slope for q, slope in found.items() if q != self.time}
-            row = self.turning.seven(self.turning.six(row, E), E)
+            row = self.turning.by_coordinates(row)
         self.jacobian |= {(len(self.phi), k): slope for k, slope in row.items()}
         self.nu.append(graph.neg(slopes.get(self.time, graph.zero)))
-        # at rest γ vanishes
-        bends = [graph.zero] * len(self._motions)
+        bends = [graph.zero] * len(self._motions)  # at rest γ vanishes
         if (norm := self.norms.get(len(self.phi))) is not None and not resting:
             bends = [graph.mul(graph.constant(-2.0), self.turns[norm].square)] * len(bends)
         elif not resting:

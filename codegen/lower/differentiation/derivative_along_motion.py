@@ -218,8 +218,7 @@ class Direction:
         self.graph, self.order, self.first = graph, order, first
         # Slopes need no second derivative: that of aᵇ has a slope of its own without end. A cycle
         # with itself would keep the graph in memory.
-        inner = Direction(graph, rates, 1, jets, first=first) if order > 1 else None
-        self._inner = inner
+        self._inner = Direction(graph, rates, 1, jets, first=first) if order > 1 else None
         self._nothing = Jet(Parts(graph, {}), Parts(graph, {}))
         self._known = {k: Jet(self._plain(rate), self._nothing.second) for k, rate in rates.items()}
         self._known |= jets

@@ -22,10 +22,7 @@ BREAKING = frozenset({Op.DIV, Op.SQRT, Op.POW, Op.LOG, Op.TAN, Op.ASIN, Op.ACOS,
 
 
 class Slopes:
-    """Partial derivatives of values of a graph by some of its inputs, and by turns of bodies.
-
-    The turns are those about axes of the bodies, or about global ones, in the ground.
-    """
+    """Partial derivatives by some inputs, and by turns about the bodies' axes or the ground's."""
 
     def __init__(
         self, graph: Graph, inputs: Iterable[int], turns: Iterable[Turn] = (), *,

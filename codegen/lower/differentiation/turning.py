@@ -13,7 +13,7 @@ motion without accelerations. So equations that a user writes in e0 ... e3 are d
 same walk, and with Φ_π' = ½ Φ_p Gᵀ they have the columns of all others.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from functools import cached_property, partial
 from typing import Any
 
@@ -26,6 +26,7 @@ from codegen.lower.differentiation.derivative_along_motion import (
     Parts,
 )
 from codegen.lower.graph import Graph
+from codegen.lower.program import dependencies
 
 THREE = range(3)
 
@@ -96,19 +97,17 @@ class Turn:
     def along_axis(self, k: int, *, in_ground: bool = False) -> Direction:
         """The direction of a turn about the body's axis k, or the global one."""
         slopes = dict[int, int]()
-        after, before = self._others(k, in_ground)
-        for line in self._lines(in_ground):
-            slopes |= {line[after]: line[before], line[before]: self.graph.neg(line[after])}
+        for line, axis, after, before in self._lines(in_ground):
+            if axis == k:
+                slopes |= {line[after]: line[before], line[before]: self.graph.neg(line[after])}
         return Direction(self.graph, slopes, order=1)
 
-    def _lines(self, in_ground: bool) -> list[list[int]]:
-        """The rows of A, which turn with the body's axes, or its columns."""
-        return list(map(list, zip(*self.entries, strict=True))) if in_ground else self.entries
-
-    def _others(self, k: int, in_ground: bool) -> tuple[int, int]:
-        """The other axes in their order, or in the opposite one, as of Aᵀ, with -ω for ω'."""
-        after, before = (k + 1) % 3, (k + 2) % 3
-        return (before, after) if in_ground else (after, before)
+    def _lines(self, in_ground: bool) -> Iterator[tuple[Sequence[int], int, int, int]]:
+        """Rows of A, each axis and those after and before it; of Aᵀ, which turns by -ω, back."""
+        for line in zip(*self.entries, strict=True) if in_ground else self.entries:
+            for k in THREE:
+                after, before = (k + 1) % 3, (k + 2) % 3
+                yield (line, k, before, after) if in_ground else (line, k, after, before)
 
     def jets(self, *, in_ground: bool = False) -> dict[int, Jet]:
         """Derivatives of A and p along the motion, without accelerations, by ω' or by ω."""
@@ -116,18 +115,16 @@ class Turn:
         if in_ground:
             omega = [along_g(graph, k, self.double, self.rates, E) for k in THREE]
         spins = [[graph.mul(a, b) for b in omega] for a in omega]
-        for line in self._lines(in_ground):
-            for k in THREE:
-                after, before = self._others(k, in_ground)
-                first: dict[Factors, int] = {
-                    (1.0, (omega[before],)): line[after],
-                    (1.0, (graph.neg(omega[after]),)): line[before],
-                }
-                both = graph.add(spins[after][after], spins[before][before])
-                second: dict[Factors, int] = {(1.0, (graph.neg(both),)): line[k]}
-                for j in (after, before):
-                    second[1.0, (spins[min(j, k)][max(j, k)],)] = line[j]
-                jets[line[k]] = Jet(Parts(graph, first), Parts(graph, second))
+        for line, k, after, before in self._lines(in_ground):
+            first: dict[Factors, int] = {
+                (1.0, (omega[before],)): line[after],
+                (1.0, (graph.neg(omega[after]),)): line[before],
+            }
+            both = graph.neg(graph.add(spins[after][after], spins[before][before]))
+            second: dict[Factors, int] = {(1.0, (both,)): line[k]}
+            for j in (after, before):
+                second[1.0, (spins[min(j, k)][max(j, k)],)] = line[j]
+            jets[line[k]] = Jet(Parts(graph, first), Parts(graph, second))
         for e, rate in zip(self.p, self.rates, strict=True):
             bend = Parts(graph, {PLAIN: graph.neg(graph.mul(self.square, e))})
             jets[e] = Jet(Parts(graph, {PLAIN: rate}), bend)
@@ -153,6 +150,12 @@ class Turn:
         return [graph.sub(a, b) for a, b in zip(turned, bends, strict=True)]
 
 
+def jets_of(turns: Sequence[Turn], *, in_ground: bool) -> dict[int, Jet]:
+    """The derivatives of all bodies' A and p along the motion."""
+    return {v: jet for turn in turns for v, jet in turn.jets(in_ground=in_ground).items()}
+
+
+Entries = dict[tuple[int, int], int]
 Row = dict[int, int]
 """Column → value, where it is not zero."""
 
@@ -188,6 +191,27 @@ class TurningColumns:
             given = [row.get(at + k, self.graph.zero) for k in THREE]
             row = self._moved(row, at, given, turn.first, partial(turn.seven, matrix=matrix))
         return row
+
+    def gammas(self, bends: list[list[int]], turned: Entries) -> tuple[list[int], list[int]]:
+        """γ by the way of turning that needs the fewest values, alone, and beside Φ_π' and ω'."""
+        values, ways = self.graph.values, list(map(list, zip(*bends, strict=True))) or [[]]
+        beside = [*turned.values(), *(w for turn, _ in self.turns for w in turn.omega)]
+        alone = min(ways, key=lambda way: len(dependencies(values, way)))
+        return alone, min(ways, key=lambda way: len(dependencies(values, [*way, *beside])))
+
+    def by_coordinates(self, row: Row) -> Row:
+        """A row of slopes by global turns and coordinates in the columns of coordinates."""
+        return self.seven(self.six(row, E), E)
+
+    def jacobian(self, entries: Entries, turned: Entries, norms: Collection[int]) -> Entries:
+        """Φ_q from the turned Jacobian, whose values are there where accelerations are."""
+        if not self.turns:
+            return entries
+        rows: dict[int, Row] = {i: {} for i, _ in sorted(entries)}
+        kept = (pair for pair in entries.items() if pair[0][0] in norms)
+        for (i, k), slope in (*kept, *turned.items()):
+            rows[i][k] = slope
+        return {(i, k): x for i, row in rows.items() for k, x in self.seven(row).items()}
 
     def _moved(
         self, row: Row, first: int, given: list[int], to: int,

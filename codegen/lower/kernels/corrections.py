@@ -159,7 +159,8 @@ Solution = tuple[list[list[int]], SparseRows]
 
 def correction(scene: SceneGraph) -> Kernel:
     """The kernel of a scene in all its coordinates."""
-    equations, stated = (scene.graph, scene.body_jacobian, scene.phi, scene.nu), scene.stated
+    jacobian = scene.turning.jacobian(scene.jacobian, scene.turned_jacobian, scene.norms)
+    equations, stated = (scene.graph, jacobian, scene.phi, scene.nu), scene.stated
     kernel = least_correction(*equations, scene.v, scene.w, scene.names, scene.rows)
     if scene.turns and scene.m < scene.n:
         with scene.graph.serving("correction"), scene.graph.cancelling():
