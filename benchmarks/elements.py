@@ -156,8 +156,9 @@ def generated(sample: Sample, folder: Path) -> Generated:
     """The element's kernels, from a model with two bodies."""
     model = Model(f"sample_{SAMPLES.index(sample)}", space=sample.space)
     if sample.space:
-        i, j = (model.body(*of) for of in space_forces.BODIES)
-        points = [i.at(*space.SI), j.at(*space.SJ)]
+        bodies: Any = [model.body(*of) for of in space_forces.BODIES]
+        places = (space.SI, space.SJ)
+        points = [body.at(*place) for body, place in zip(bodies, places, strict=True)]
     else:
         i = model.body("i", mass=forces.MASS_I, inertia=0.1)
         points = [i.at(*S_I)]

@@ -8,6 +8,8 @@ OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"
 
 small = numba.njit(**OPTIONS)
 """A few lines that several twins of a file share; the compiler puts them where they are called."""
+woven = numba.njit(inline="always", **OPTIONS)
+"""Longer ones, which the compiler would leave where they are and call."""
 position = numba.njit("void(f8, f8[::1], f8[::1], f8[::1])", **OPTIONS)
 """Φ_q: t, q, p, values."""
 velocity = numba.njit("void(f8, f8[::1], f8[::1], f8[::1], f8[::1])", **OPTIONS)

@@ -5,20 +5,20 @@ global axes, a = A a', and so are turns: δa = δπ × a, with the angular veloc
 E = [-e, ẽ + e0 I], so that the columns of p are Φ_p = 2 Φ_π E. A row begins at `values[k]`.
 """
 
-from benchmarks.hand.signatures import small
+from benchmarks.hand.signatures import woven
 
 SI, SJ = (0.3, -0.2, 0.1), (-0.5, 0.1, 0.2)
 SIX, SIY, SIZ = SI
 SJX, SJY, SJZ = SJ
 
 
-@small
+@woven
 def doubled(p):
     """2 p."""
     return 2.0 * p[0], 2.0 * p[1], 2.0 * p[2], 2.0 * p[3]
 
 
-@small
+@woven
 def rotation(p, d):
     """A, row by row, with d = 2 p."""
     e1, e2, e3 = p[1], p[2], p[3]
@@ -29,7 +29,7 @@ def rotation(p, d):
     return (*first, *second, xz - wy, yz + wx, s + d[3] * e3)
 
 
-@small
+@woven
 def poses(q):
     """2 p and A of both bodies."""
     pi, pj = (q[3], q[4], q[5], q[6]), (q[10], q[11], q[12], q[13])
@@ -37,7 +37,7 @@ def poses(q):
     return di, dj, rotation(pi, di), rotation(pj, dj)
 
 
-@small
+@woven
 def turned(a, x, y, z):
     """A (x, y, z)."""
     return (
@@ -47,25 +47,25 @@ def turned(a, x, y, z):
     )
 
 
-@small
+@woven
 def dot(a, b):
     """aᵀ b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@small
+@woven
 def cross(a, b):
     """a × b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@small
+@woven
 def opposite(a):
     """-a."""
     return -a[0], -a[1], -a[2]
 
 
-@small
+@woven
 def spin(d, v):
     """ω = 2 E ṗ."""
     return (
@@ -75,13 +75,13 @@ def spin(d, v):
     )
 
 
-@small
+@woven
 def spins(v, di, dj):
     """ω of both bodies."""
     return spin(di, (v[3], v[4], v[5], v[6])), spin(dj, (v[10], v[11], v[12], v[13]))
 
 
-@small
+@woven
 def spread(values, k, d, n):
     """2 Eᵀ n: four columns of p from those of a turn."""
     x, y, z = n
@@ -94,14 +94,14 @@ def spread(values, k, d, n):
 # -- rows ---------------------------------------------------------------------------------------
 
 
-@small
+@woven
 def norm_rows(values, di, dj):
     """Of pᵀp = 1, at the beginning."""
     values[0], values[1], values[2], values[3] = di
     values[4], values[5], values[6], values[7] = dj
 
 
-@small
+@woven
 def x_row(values, k, d, a):
     """The columns of p of a turned vector's x: 2 Eᵀ (0, a_z, -a_y)."""
     y, z = a[1], a[2]
@@ -109,7 +109,7 @@ def x_row(values, k, d, a):
     values[k + 2], values[k + 3] = d[0] * z - d[1] * y, -(d[1] * z + d[0] * y)
 
 
-@small
+@woven
 def y_row(values, k, d, a):
     """The same of its y: 2 Eᵀ (-a_z, 0, a_x)."""
     x, z = a[0], a[2]
@@ -117,7 +117,7 @@ def y_row(values, k, d, a):
     values[k + 2], values[k + 3] = d[3] * z + d[1] * x, d[0] * x - d[2] * z
 
 
-@small
+@woven
 def z_row(values, k, d, a):
     """The same of its z: 2 Eᵀ (a_y, -a_x, 0)."""
     x, y = a[0], a[1]
@@ -125,7 +125,7 @@ def z_row(values, k, d, a):
     values[k + 2], values[k + 3] = -(d[3] * y + d[0] * x), d[2] * y + d[1] * x
 
 
-@small
+@woven
 def point_rows(values, k, di, dj, ai, aj):
     """Of r_i + a_i - r_j - a_j = 0: thirty entries."""
     back = opposite(aj)
@@ -140,7 +140,7 @@ def point_rows(values, k, di, dj, ai, aj):
     z_row(values, k + 26, dj, back)
 
 
-@small
+@woven
 def dot_row(values, k, di, dj, f, h):
     """Of f_iᵀ h_j, eight entries: Φ_πi = f × h = -Φ_πj."""
     n = cross(f, h)
@@ -148,7 +148,7 @@ def dot_row(values, k, di, dj, f, h):
     spread(values, k + 4, dj, opposite(n))
 
 
-@small
+@woven
 def line_row(values, k, di, dj, h, of_i, of_j):
     """The row of a force h between the bodies, with its moments: fourteen entries."""
     values[k], values[k + 1], values[k + 2] = opposite(h)
@@ -157,25 +157,25 @@ def line_row(values, k, di, dj, h, of_i, of_j):
     spread(values, k + 10, dj, of_j)
 
 
-@small
+@woven
 def span_row(values, k, di, dj, h, e, aj):
     """Of h_iᵀ d: Φ_πi = h × e with e = r_j + a_j - r_i, Φ_πj = a_j × h."""
     line_row(values, k, di, dj, h, cross(h, e), cross(aj, h))
 
 
-@small
+@woven
 def length_row(values, k, di, dj, ai, aj, d):
     """Of dᵀd / 2: Φ_πi = d × a_i, Φ_πj = a_j × d."""
     line_row(values, k, di, dj, d, cross(d, ai), cross(aj, d))
 
 
-@small
+@woven
 def way(q, aj):
     """e = r_j + a_j - r_i: what a_i adds to h_iᵀ d is constant."""
     return q[7] + aj[0] - q[0], q[8] + aj[1] - q[1], q[9] + aj[2] - q[2]
 
 
-@small
+@woven
 def less(a, b):
     """a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
@@ -184,28 +184,28 @@ def less(a, b):
 # -- γ ------------------------------------------------------------------------------------------
 
 
-@small
+@woven
 def norm_rhs(v, gamma):
     """Of pᵀp = 1: -2 ṗᵀṗ."""
     gamma[0] = -2.0 * (v[3] * v[3] + v[4] * v[4] + v[5] * v[5] + v[6] * v[6])
     gamma[1] = -2.0 * (v[10] * v[10] + v[11] * v[11] + v[12] * v[12] + v[13] * v[13])
 
 
-@small
+@woven
 def centripetal(w, a):
     """ω × (ω × a)."""
     along, square = dot(w, a), dot(w, w)
     return w[0] * along - square * a[0], w[1] * along - square * a[1], w[2] * along - square * a[2]
 
 
-@small
+@woven
 def point_rhs(gamma, k, wi, wj, ai, aj):
     """Of r_i + a_i - r_j - a_j = 0."""
     ci, cj = centripetal(wi, ai), centripetal(wj, aj)
     gamma[k], gamma[k + 1], gamma[k + 2] = less(cj, ci)
 
 
-@small
+@woven
 def bending(wi, wj, h):
     """k, with fᵀk the second derivative of fᵀh while f turns with ω_i and h with ω_j, constant.
 
@@ -221,14 +221,14 @@ def bending(wi, wj, h):
     )
 
 
-@small
+@woven
 def way_rate(v, wj, aj):
     """ė = ṙ_j + ω_j × a_j - ṙ_i."""
     c = cross(wj, aj)
     return v[7] + c[0] - v[0], v[8] + c[1] - v[1], v[9] + c[2] - v[2]
 
 
-@small
+@woven
 def departing(q, v, wi, wj, aj):
     """k, with hᵀk the second derivative of h_iᵀ d, and h'' = ω_i × (ω_i × h), h' = ω_i × h in it.
 
@@ -239,7 +239,7 @@ def departing(q, v, wi, wj, aj):
     return c[0] + 2.0 * b[0] + f[0], c[1] + 2.0 * b[1] + f[1], c[2] + 2.0 * b[2] + f[2]
 
 
-@small
+@woven
 def length_bend(q, v, wi, wj, ai, aj):
     """The second derivative of dᵀd / 2, and d and ḋ."""
     ci, cj = centripetal(wi, ai), centripetal(wj, aj)

@@ -2,7 +2,7 @@
 
 import math
 
-from benchmarks.hand.signatures import position, small, velocity
+from benchmarks.hand.signatures import position, velocity, woven
 from benchmarks.hand.space import (
     SJX,
     SJY,
@@ -33,7 +33,7 @@ from benchmarks.hand.space_joints import FX, FZ, HX, HY, HZ, across, level
 LEAD = 0.05 / (2.0 * math.pi)
 
 
-@small
+@woven
 def quaternion(a, b):
     """The product of two quaternions."""
     return (
@@ -44,7 +44,7 @@ def quaternion(a, b):
     )
 
 
-@small
+@woven
 def four(a, b):
     """aᵀ b of quaternions."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
@@ -121,7 +121,7 @@ def screw_rhs(t, q, v, p, gamma):
     gamma[7] = 2.0 * (speed * phi + rate * across_) - 4.0 * (c * both_h - s * both[0])
 
 
-@small
+@woven
 def angle_row(values, k, p, d, angle):
     """Of the angle about the ground's z axis, 2 (e3 cos θ/2 - e0 sin θ/2) = 0: five entries."""
     c, s = math.cos(0.5 * angle), math.sin(0.5 * angle)
@@ -133,7 +133,7 @@ def angle_row(values, k, p, d, angle):
     values[k + 4] = -(s * p[3] + c * p[0])
 
 
-@small
+@woven
 def angle_rhs(p, v, angle, rate):
     """γ of it."""
     c, s = math.cos(0.5 * angle), math.sin(0.5 * angle)
@@ -141,7 +141,7 @@ def angle_rhs(p, v, angle, rate):
     return 2.0 * (speed * (c * p[3] - s * p[0]) + rate * (s * v[3] + c * v[0]))
 
 
-@small
+@woven
 def upright_rhs(w, h):
     """γ of h_x = 0 and of h_y = 0."""
     c = centripetal(w, h)

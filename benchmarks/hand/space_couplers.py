@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from benchmarks.hand.signatures import position, small, velocity
+from benchmarks.hand.signatures import position, velocity, woven
 from benchmarks.hand.space import (
     SIX,
     SIY,
@@ -39,7 +39,7 @@ MX, MZ = 0.8 / math.hypot(0.8, 0.36), -0.36 / math.hypot(0.8, 0.36)  # ŷ × LIN
 NX, NY, NZ = np.cross(LINE, (MX, 0.0, MZ)).tolist()
 
 
-@small
+@woven
 def link_rhs(q, v, wi, wj, ai, aj, h):
     """γ of h_iᵀ d and of dᵀ d: with d the first is 2 ω_iᵀ (h × ḋ) and what bends h and the arms."""
     ci, cj = centripetal(wi, ai), centripetal(wj, aj)

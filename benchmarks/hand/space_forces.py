@@ -7,7 +7,7 @@ centrifugal force of the rotations, Q_p = -4 Ġᵀ J' ω' - 4 tr(J') (ṗᵀṗ)
 
 import math
 
-from benchmarks.hand.signatures import force, small
+from benchmarks.hand.signatures import force, woven
 from benchmarks.hand.space import (
     SIX,
     SIY,
@@ -38,7 +38,7 @@ FX, FY, FZ = 4.0, -7.0, 2.0
 UX, UY, UZ = 2 / 7, 3 / 7, 6 / 7
 
 
-@small
+@woven
 def centrifugal(Q, k, p, d, v, jx, jy, jz):
     """Q_p of a body's rotation, from Q[k] on."""
     x = -4.0 * jx * (d[0] * v[1] - d[1] * v[0] + d[3] * v[2] - d[2] * v[3])
@@ -51,7 +51,7 @@ def centrifugal(Q, k, p, d, v, jx, jy, jz):
     Q[k + 3] = s * p[3] - v[2] * x + v[1] * y + v[0] * z
 
 
-@small
+@woven
 def resting(q, v, Q):
     """The centrifugal forces of both bodies, and no other."""
     pi, pj = (q[3], q[4], q[5], q[6]), (q[10], q[11], q[12], q[13])
@@ -62,7 +62,7 @@ def resting(q, v, Q):
     centrifugal(Q, 10, pj, doubled(pj), rj, XJ, YJ, ZJ)
 
 
-@small
+@woven
 def turn(Q, k, d, n):
     """A torque about global axes: 2 Eᵀ n."""
     x, y, z = n
@@ -72,7 +72,7 @@ def turn(Q, k, d, n):
     Q[k + 3] += d[2] * x - d[1] * y + d[0] * z
 
 
-@small
+@woven
 def pull(Q, di, dj, ai, aj, f):
     """A force f on the point of i, and -f on that of j."""
     Q[0], Q[1], Q[2] = f
@@ -157,7 +157,7 @@ def line_force(t, q, v, p, modes, Q):
     pull(Q, di, dj, ai, aj, (f * d[0], f * d[1], f * d[2]))
 
 
-@small
+@woven
 def push(Q, di, dj, u, e, aj, f):
     """A force f u on i along the face u of i, at the point of j, and its opposite on j."""
     force = f * u[0], f * u[1], f * u[2]

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from benchmarks.hand.signatures import position, small, velocity
+from benchmarks.hand.signatures import position, velocity, woven
 from benchmarks.hand.space import (
     SIX,
     SIY,
@@ -43,13 +43,13 @@ _ACROSS = np.array([FX, 0.0, FZ]) - np.array(HJ) * (FX * KX + FZ * KZ)
 FJX, FJY, FJZ = (_ACROSS / np.linalg.norm(_ACROSS)).tolist()
 
 
-@small
+@woven
 def level(a, x, z):
     """A (x, 0, z)."""
     return a[0] * x + a[2] * z, a[3] * x + a[5] * z, a[6] * x + a[8] * z
 
 
-@small
+@woven
 def across(a):
     """f and g."""
     return level(a, FX, FZ), turned(a, GX, GY, GZ)
