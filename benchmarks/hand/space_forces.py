@@ -197,13 +197,9 @@ def rigid_contact(t, q, v, p, modes, Q):
 @force
 def stop(t, q, v, p, modes, Q):
     """500 N/m below -0.1 m and above 0.3 m of z_j."""
-    low, high = modes[0], modes[1]
+    low, high, z = modes[0], modes[1], q[9]
     resting(q, v, Q)
-    f = 0.0
-    if low:
-        f += 500.0 * (q[9] + 0.1)
-    if high:
-        f += 500.0 * (q[9] - 0.3)
+    f = (500.0 * (z + 0.1) if low else 0.0) + (500.0 * (z - 0.3) if high else 0.0)
     Q[9] = -f
 
 
