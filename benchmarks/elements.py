@@ -16,6 +16,8 @@ from codegen import Model, alpha, t
 from codegen.declare.body import Body
 
 STATES = 64
+AWAY = 0.2
+"""How far two bodies are from half a turn against each other, in cosines of half their angle."""
 MEAN, MOST = 1.0, 1.3
 """What a generated kernel may take of its twin's time: in the geometric mean, and each."""
 S_I, S_J, AXIS = (0.3, -0.2), (-0.5, 0.1), (0.6, 0.8)
@@ -172,17 +174,22 @@ def generated(sample: Sample, folder: Path) -> Generated:
 def states(module: Any) -> States:
     """Positions and velocities anywhere: the formulas hold off the constraints too.
 
-    Euler parameters alone have the length 1, and rates that keep it.
+    Euler parameters alone have the length 1, and rates that keep it; no two bodies are half a turn
+    apart, where rotation vectors change their sign.
 
     Conditions hold in the first half of the states and not in the second, so that a processor that
     guesses branches guesses all but two right.
     """
     random, n = np.random.default_rng(7), len(module.COORDINATES)
     q, v = random.uniform(-2.0, 2.0, (2, STATES, n))
+    before = np.zeros((STATES, 4))
     for _, first in getattr(module, "TURNING", ()):
         e, rates = (of[:, first : first + 4] for of in (q, v))
         e /= np.linalg.norm(e, axis=1, keepdims=True)
+        e += AWAY * before * np.sign((before * e).sum(axis=1, keepdims=True))
+        e /= np.linalg.norm(e, axis=1, keepdims=True)
         rates -= e * (e * rates).sum(axis=1, keepdims=True)
+        before = e
     held = np.arange(STATES) < STATES // 2
     modes = np.repeat(held[:, None], len(module.SWITCHES), axis=1).astype(np.int64)
     return States(q, v, np.ascontiguousarray(modes))
@@ -195,6 +202,7 @@ def twins(samples: Sequence[Sample], folder: Path) -> list[Twin]:
         made = generated(sample, folder)
         where = states(made.module)
         outputs = {"jacobian": len(made.module.JACOBIAN_ROWS), RHS: len(made.module.CONSTRAINTS)}
+        outputs["powers"] = len(made.module.POWERS)
         for kernel, hand in sample.twins.items():
             # Of the body on its guide, the acceleration along it is the one that friction changes.
             size = 1 if kernel == "accelerations" else outputs.get(kernel, int(where.q.shape[1]))

@@ -10,6 +10,7 @@ from benchmarks.hand import space_counting as counting
 from benchmarks.hand import space_couplers as couplers
 from benchmarks.hand import space_drivers as drivers
 from benchmarks.hand import space_forces as forces
+from benchmarks.hand import space_friction as friction
 from benchmarks.hand import space_joints as joints
 from codegen import t
 from codegen.declare.space_body import SpacePoint
@@ -45,6 +46,16 @@ def _joint(kind: str, twins: ModuleType, word: str, declare: Declare) -> Sample:
 
 def _force(kind: str, twin: Any, declare: Declare, label: str = "") -> Sample:
     return Sample(kind, _named(label or kind), declare, {"applied_forces": twin}, space=True)
+
+
+def _friction(where: str, twin: Any, declare: Declare) -> Sample:
+    label = f"friction in space, in {where}"
+    return Sample("friction in space", label, declare, {"powers": twin}, space=True)
+
+
+def _rubbing(m: Any, joint: Any, **sizes: float) -> Any:
+    of = friction
+    return m.friction("e", joint, of.MU, of.CREEP, of.RADIUS, **sizes)
 
 
 JOINTS = (
@@ -156,6 +167,12 @@ FORCES = (
         lambda m, i, j: m.line_force("e", i, j, lambda length, rate: 40 * length + 3),
     ),
     _force(
+        "bushing in space", forces.bushing,
+        lambda m, i, j: m.bushing(
+            "e", i, j, (900, 700, 800, 50, 60, 70), (8, 6, 7, 0.4, 0.5, 0.6)
+        ),
+    ),
+    _force(
         "contact", forces.contact,
         lambda m, i, j: m.contact(
             "e", i, j, stiffness=5000, damping=30, free_length=0.1, direction=H
@@ -164,6 +181,12 @@ FORCES = (
     _force(
         "rigid contact", forces.rigid_contact,
         lambda m, i, j: m.contact("e", i, j, direction=H, free_length=0.1, restitution=0.5),
+    ),
+    _force(
+        "dry friction", forces.dry_friction,
+        lambda m, i, j: m.dry_friction(
+            "e", slip=j.body.vx - i.body.vx, normal=30.0, coefficient=0.4
+        ),
     ),
     _force("stop", forces.stop, lambda m, i, j: m.stop("e", j.body.z, -0.1, 0.3, stiffness=500)),
     _force(
@@ -178,4 +201,22 @@ FORCES = (
     ),
 )  # fmt: skip
 
-SAMPLES = JOINTS + DRIVERS + FORCES
+FRICTION = (
+    _friction(
+        "a pin", friction.revolute,
+        lambda m, i, j: _rubbing(
+            m, m.revolute("A", i, j, axis=_axes(i, j)), length=friction.LENGTH,
+            collar=friction.COLLAR,
+        ),
+    ),
+    _friction(
+        "a guide", friction.translational,
+        lambda m, i, j: _rubbing(m, m.translational("A", i, j, axis=_axes(i, j))),
+    ),
+    _friction(
+        "a sleeve", friction.cylindrical,
+        lambda m, i, j: _rubbing(m, m.cylindrical("A", i, j, axis=_axes(i, j))),
+    ),
+)  # fmt: skip
+
+SAMPLES = JOINTS + DRIVERS + FORCES + FRICTION

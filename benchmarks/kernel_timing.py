@@ -23,6 +23,7 @@ POSITION = types.FunctionType(types.none(F8, VECTOR, VECTOR, VECTOR))
 VELOCITY = types.FunctionType(types.none(F8, VECTOR, VECTOR, VECTOR, VECTOR))
 FORCE = types.FunctionType(types.none(F8, VECTOR, VECTOR, VECTOR, MODES, VECTOR))
 SOLUTION = types.FunctionType(types.int64(F8, VECTOR, VECTOR, VECTOR, MODES, VECTOR, VECTOR))
+POWER = types.FunctionType(types.none(F8, VECTOR, VECTOR, VECTOR, MODES, VECTOR, VECTOR))
 
 
 @numba.njit(F8(POSITION, types.int64, ROWS, VECTOR, VECTOR), **OPTIONS)
@@ -81,6 +82,21 @@ def many_solutions(kernel, count, states, rates, p, mode_rows, a, lam):
     return total
 
 
+@numba.njit(F8(POWER, types.int64, ROWS, ROWS, VECTOR, MODE_ROWS, VECTOR, VECTOR), **OPTIONS)
+def many_powers(kernel, count, states, rates, p, mode_rows, lam, out):
+    total, row = 0.0, 0
+    q, v, modes = states[0].copy(), rates[0].copy(), mode_rows[0].copy()
+    for _ in range(count):
+        for k in range(q.size):
+            q[k], v[k] = states[row, k], rates[row, k]
+        for k in range(modes.size):
+            modes[k] = mode_rows[row, k]
+        kernel(TIME, q, v, p, modes, lam, out)
+        total += out[0]
+        row = row + 1 if row + 1 < len(states) else 0
+    return total
+
+
 @numba.njit(types.none(F8, VECTOR, VECTOR, VECTOR), **OPTIONS)
 def no_position(t, q, p, out):
     out[3] = q[2]
@@ -100,6 +116,11 @@ def no_force(t, q, v, p, modes, out):
 def no_solution(t, q, v, p, modes, a, lam):
     a[2] = q[2]
     return 0
+
+
+@numba.njit(types.none(F8, VECTOR, VECTOR, VECTOR, MODES, VECTOR, VECTOR), **OPTIONS)
+def no_power(t, q, v, p, modes, lam, out):
+    out[0] = q[2]
 
 
 def interleaved(

@@ -27,11 +27,14 @@ RESOLUTION = 1.0
 """Nanoseconds below which a net time is the loop's noise; shorter ones count as this in a ratio."""
 OUTPUTS = 96
 """Room for what any kernel here writes."""
+LAMBDA = np.random.default_rng(3).uniform(-2.0, 2.0, OUTPUTS)
+"""The multipliers that kernels take."""
 LOOPS: dict[str, tuple[Any, Any]] = {
     "jacobian": (kernel_timing.many_positions, kernel_timing.no_position),
     "acceleration_rhs": (kernel_timing.many_velocities, kernel_timing.no_velocity),
     "applied_forces": (kernel_timing.many_forces, kernel_timing.no_force),
     "accelerations": (kernel_timing.many_solutions, kernel_timing.no_solution),
+    "powers": (kernel_timing.many_powers, kernel_timing.no_power),
 }
 
 
@@ -136,6 +139,8 @@ def call(name: str, kernel: Any, states: States, k: int, p: Array) -> Array:
         kernel(kernel_timing.TIME, q, v, p, out)
     elif name == "applied_forces":
         kernel(kernel_timing.TIME, q, v, p, modes, out)
+    elif name == "powers":
+        kernel(kernel_timing.TIME, q, v, p, modes, LAMBDA, out)
     elif weak := kernel(kernel_timing.TIME, q, v, p, modes, out, lam):
         raise ArithmeticError(f"{name}: pivot {weak} is weak at q = {q}")
     return out
@@ -193,6 +198,7 @@ def run_of(name: str, kernel: Any, states: States, p: Array) -> Callable[[int], 
         "acceleration_rhs": (states.q, states.v, p, out),
         "applied_forces": (states.q, states.v, p, states.modes, out),
         "accelerations": (states.q, states.v, p, states.modes, out, lam),
+        "powers": (states.q, states.v, p, states.modes, LAMBDA, out),
     }
     rest = arguments[name]
     return lambda count: loop(kernel, count, *rest)

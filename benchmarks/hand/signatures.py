@@ -18,3 +18,5 @@ force = numba.njit("void(f8, f8[::1], f8[::1], f8[::1], i8[::1], f8[::1])", **OP
 """Q: t, q, v, p, modes, Q."""
 solution = numba.njit("i8(f8, f8[::1], f8[::1], f8[::1], i8[::1], f8[::1], f8[::1])", **OPTIONS)
 """q̈ and λ: t, q, v, p, modes, a, lam."""
+power = numba.njit("void(f8, f8[::1], f8[::1], f8[::1], i8[::1], f8[::1], f8[::1])", **OPTIONS)
+"""Powers of effects: t, q, v, p, modes, lam, out."""

@@ -5,6 +5,8 @@ global axes, a = A a', and so are turns: δa = δπ × a, with the angular veloc
 E = [-e, ẽ + e0 I], so that the columns of p are Φ_p = 2 Φ_π E. A row begins at `values[k]`.
 """
 
+import math
+
 from benchmarks.hand.signatures import woven
 
 SI, SJ = (0.3, -0.2, 0.1), (-0.5, 0.1, 0.2)
@@ -45,6 +47,19 @@ def turned(a, x, y, z):
         a[3] * x + a[4] * y + a[5] * z,
         a[6] * x + a[7] * y + a[8] * z,
     )
+
+
+@woven
+def relative_turn(pi, pj):
+    """θ = χ n of A_iᵀ A_j, by its Euler parameters (w, u), and (1 - χ/2 cot χ/2) / χ²."""
+    w = pi[0] * pj[0] + pi[1] * pj[1] + pi[2] * pj[2] + pi[3] * pj[3]
+    x = pi[0] * pj[1] - pi[1] * pj[0] - pi[2] * pj[3] + pi[3] * pj[2]
+    y = pi[0] * pj[2] - pi[2] * pj[0] - pi[3] * pj[1] + pi[1] * pj[3]
+    z = pi[0] * pj[3] - pi[3] * pj[0] - pi[1] * pj[2] + pi[2] * pj[1]
+    sine = math.sqrt(x * x + y * y + z * z)
+    half = math.atan(sine / w)  # of (-w, -u) it is the same
+    scale, chi = 2.0 * half / sine, 2.0 * half
+    return (scale * x, scale * y, scale * z), (1.0 - half * w / sine) / (chi * chi)
 
 
 @woven

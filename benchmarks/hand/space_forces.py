@@ -21,6 +21,7 @@ from benchmarks.hand.space import (
     less,
     opposite,
     poses,
+    relative_turn,
     rotation,
     spins,
     turned,
@@ -79,6 +80,28 @@ def pull(Q, di, dj, ai, aj, f):
     turn(Q, 3, di, cross(ai, f))
     Q[7], Q[8], Q[9] = opposite(f)
     turn(Q, 10, dj, cross(f, aj))
+
+
+@woven
+def turned_back(a, u):
+    """Aᵀ u."""
+    return (
+        a[0] * u[0] + a[3] * u[1] + a[6] * u[2],
+        a[1] * u[0] + a[4] * u[1] + a[7] * u[2],
+        a[2] * u[0] + a[5] * u[1] + a[8] * u[2],
+    )
+
+
+@woven
+def bent(theta, u, half, b):
+    """u ± θ × u / 2 + b θ × (θ × u)."""
+    c = cross(theta, u)
+    d = cross(theta, c)
+    return (
+        u[0] + half * c[0] + b * d[0],
+        u[1] + half * c[1] + b * d[1],
+        u[2] + half * c[2] + b * d[2],
+    )
 
 
 @force
@@ -157,6 +180,37 @@ def line_force(t, q, v, p, modes, Q):
     pull(Q, di, dj, ai, aj, (f * d[0], f * d[1], f * d[2]))
 
 
+@force
+def bushing(t, q, v, p, modes, Q):
+    """f = K z + C ż of z = (s, θ), in the axes of i, with K = (900, 700, 800, 50, 60, 70).
+
+    With the relative angular velocity ω in them, ω = H θ̇ and H⁻¹ = I - θ̃/2 + b θ̃², where
+    b = (1 - χ/2 cot χ/2) / χ²; the virtual work τᵀ δθ is that of the torque H⁻ᵀ τ.
+    """
+    resting(q, v, Q)
+    di, dj, a, b = poses(q)
+    wi, wj = spins(v, di, dj)
+    aj = turned(b, SJX, SJY, SJZ)
+    e, rate = way(q, aj), way_rate(v, wj, aj)
+    s, slip = turned_back(a, e), turned_back(a, less(rate, cross(wi, e)))
+    theta, bend = relative_turn((q[3], q[4], q[5], q[6]), (q[10], q[11], q[12], q[13]))
+    x, y, z = bent(theta, turned_back(a, less(wj, wi)), -0.5, bend)
+    f = turned(
+        a,
+        900.0 * (s[0] - SIX) + 8.0 * slip[0],
+        700.0 * (s[1] - SIY) + 6.0 * slip[1],
+        800.0 * (s[2] - SIZ) + 7.0 * slip[2],
+    )
+    tau = 50.0 * theta[0] + 0.4 * x, 60.0 * theta[1] + 0.5 * y, 70.0 * theta[2] + 0.6 * z
+    x, y, z = bent(theta, tau, 0.5, bend)
+    n = turned(a, x, y, z)
+    c, d = cross(e, f), cross(f, aj)
+    Q[0], Q[1], Q[2] = f
+    turn(Q, 3, di, (c[0] + n[0], c[1] + n[1], c[2] + n[2]))
+    Q[7], Q[8], Q[9] = opposite(f)
+    turn(Q, 10, dj, less(d, n))
+
+
 @woven
 def push(Q, di, dj, u, e, aj, f):
     """A force f u on i along the face u of i, at the point of j, and its opposite on j."""
@@ -192,6 +246,15 @@ def rigid_contact(t, q, v, p, modes, Q):
     di, dj, a, b = poses(q)
     u, aj = turned(a, UX, UY, UZ), turned(b, SJX, SJY, SJZ)
     push(Q, di, dj, u, way(q, aj), aj, 0.0 if closed else -9.81 * (MASS_I + MASS_J))
+
+
+@force
+def dry_friction(t, q, v, p, modes, Q):
+    """f = -0.4 · 30 N along x, against the slip of the centres of mass."""
+    resting(q, v, Q)
+    f = -12.0 if modes[0] else 12.0
+    Q[0] = -f
+    Q[7] = f
 
 
 @force

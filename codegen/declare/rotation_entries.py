@@ -106,21 +106,21 @@ def conjugate(p: Any) -> tuple[Any, ...]:
     return (p[0], *(-e for e in p[1:]))
 
 
-SMALLEST = 1e-16  # safety: added to sin² χ, so that its root has a slope at 0; below rounding
+SMALLEST = 1e-16  # safety: added to sin² χ/2, so that its root has a slope at 0; below rounding
 
 
 class RotationVectorEntry(_Entry):
     """θ_k of the rotation vector of A_iᵀ A_j D, of k and the Euler parameters of i, of j and D.
 
-    With the Euler parameters (w, v) of this turn by χ, θ = (w v / |w v|) 2 atan(|v| / |w|), the
-    same for (-w, -v): by |sin χ| = 2 |w v|, it is exact up to half a turn, and smooth at 0.
+    With the Euler parameters (w, v) of this turn by χ, θ = (v / |v|) 2 atan(|v| / w), the same for
+    (-w, -v): it is exact up to half a turn, and smooth at 0.
     """
 
     @classmethod
     def _polynomial(cls, k: Any, *at: Any) -> sympy.Expr:
         w, *v = product(product(conjugate(at[:4]), at[4:8]), at[8:])
-        sine = sympy.sqrt(4 * w**2 * sympy.Add(*(x**2 for x in v)) + SMALLEST)
-        return 4 * w * v[int(k)] * sympy.atan(sine / (2 * w**2)) / sine
+        sine = sympy.sqrt(sympy.Add(*(x**2 for x in v)) + SMALLEST)
+        return v[int(k)] * (2 * sympy.atan(sine / w) / sine)
 
     def _sympystr(self, printer: Any) -> str:
         return f"theta({', '.join(map(str, self.args))})"

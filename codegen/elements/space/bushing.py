@@ -80,8 +80,8 @@ class BushingInSpace(Effect):
 
     def potential(self, bodies: Bodies) -> sympy.Expr | None:
         """V."""
-        z = self.displacements
-        energy = z.dot(self.stiffness * z) / 2 + z.dot(sympy.Matrix(self.preload))
+        z, k, f = self.displacements, self.stiffness.todok(), sympy.Matrix(self.preload)
+        energy = z.dot(f) + sympy.Add(*(z[a] * z[b] * (x / 2) for (a, b), x in k.items()))
         return energy if self.conservative and energy != 0 else None
 
     def pulls(self, bodies: Bodies) -> Pulls:
