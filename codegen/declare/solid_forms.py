@@ -8,13 +8,13 @@ import numpy as np
 from codegen.declare.drawn_pose import attitude_of_axes, rotation_of
 from codegen.declare.outline_files import drawing_file
 from codegen.declare.outlines import Outline, numbers_of, polygon
-from codegen.drawing.meshes import Mesh, prism
+from codegen.drawing.meshes import MOST, Mesh, prism
 from codegen.errors import ModelError, module_of_extra
 from codegen.readers.calls import declaring
 from codegen.readers.quantities import UnitError, converted, finite_in_unit
 from codegen.readers.values import KindError, members, shown
 
-MOST = 20_000  # layout: triangles of a mesh; a page has some 10 bytes for each
+LARGEST = 1e9  # safety: m; corners of a mesh farther off are not drawn
 ORIGIN, PLANE = (0, 0, 0), ((1, 0, 0), (0, 1, 0))
 
 
@@ -34,13 +34,18 @@ def extruded(outline: Any, thickness: Any, at: Any = ORIGIN, axes: Any = PLANE) 
         of the body.
     """
     whole = outline if isinstance(outline, Outline) else polygon(outline)
-    height = finite_in_unit(thickness, "m")
+    try:
+        height = finite_in_unit(thickness, "m")
+    except UnitError:
+        height = None
     if height is None or height <= 0.0:
         raise ModelError(f"thickness is {shown(thickness)}; give a length of more than 0 m.")
     try:
         loops = [numbers_of(tuple(loop), {}) for loop in (whole, *whole.holes)]
     except KindError as error:
         raise ModelError("the outline of a form contains parameters; give numbers.") from error
+    if not all(np.isfinite(loop).all() for loop in loops):
+        raise ModelError("the outline of a form has a corner that is not finite; give numbers.")
     return _placed(prism(loops, height), at, axes)
 
 
@@ -70,12 +75,22 @@ def read_mesh(file: str | Path, unit: str, at: Any = ORIGIN, axes: Any = PLANE) 
         vertices, faces = np.asarray(read.vertices, float), np.asarray(read.faces)
     except Exception as error:  # the readers of trimesh raise many kinds
         raise ModelError(f"{path.name} cannot be read: {error}") from error
-    if not 0 < len(faces) <= MOST or not np.isfinite(vertices).all():
+    corners, numbers = np.unique(scale * vertices, axis=0, return_inverse=True)
+    faces = numbers.ravel()[faces] if len(faces) else faces
+    a, b, c = faces.T if len(faces) else (faces,) * 3
+    faces = faces[(a != b) & (b != c) & (c != a)] if len(faces) else faces
+    if not len(faces) or not np.abs(corners).max() < LARGEST:
         raise ModelError(
-            f"{path.name} has {len(faces)} triangles; give a file with 1 to {MOST} and finite "
-            "corners, for which a page has room: trimesh's simplify_quadric_decimation writes one."
+            f"{path.name} has {len(faces)} triangles with an area, and corners to "
+            f"{np.abs(corners).max(initial=0.0):.3g} m; give a file that has triangles within "
+            f"{LARGEST:.0e} m."
         )
-    return _placed(Mesh(scale * vertices, faces), at, axes)
+    if len(faces) > MOST:
+        raise ModelError(
+            f"{path.name} has {len(faces)} triangles; give a file with 1 to {MOST}, for which a "
+            "page has room: trimesh's simplify_quadric_decimation writes one."
+        )
+    return _placed(Mesh(corners, faces), at, axes)
 
 
 def _placed(mesh: Mesh, at: Any, axes: Any) -> Mesh:

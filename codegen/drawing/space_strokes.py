@@ -66,12 +66,12 @@ def _of_mesh(picture: SpacePicture, solid: Solid, points: FloatArray) -> list[St
     order = np.lexsort(sides.T)
     twice = np.flatnonzero((np.diff(sides[order], axis=0) == 0).all(axis=1))
     edges, one, other = sides[order][twice], *(order[twice + k] % len(triangles) for k in (0, 1))
-    outer = seen[one] != seen[other]
+    outer, border = seen[one] != seen[other], np.delete(order, [*twice, *(twice + 1)])
     sharp = seen[one] & seen[other] & ((normals[one] * normals[other]).sum(axis=1) < SHARP)
     cells = np.column_stack([flat[triangles[seen]], np.full(seen.sum(), np.nan)]).ravel()
     return [
-        *(Stroke("edge", body, flat[edge]) for edge in edges[outer]),
-        Stroke("inside", body, cells[:-1]),
+        *(Stroke("edge", body, flat[edge]) for edge in (*edges[outer], *sides[border])),
+        *([Stroke("inside", body, cells[:-1])] if seen.any() else []),
         *(Stroke("spoke", body, flat[edge]) for edge in edges[sharp]),
     ]
 

@@ -103,7 +103,8 @@ def joint_wrench(result: Result, joint: str, on: str, at: Any, axes: str) -> Flo
         couple = couple + np.cross(places[body] - places[on], own)
         force, torque = force + own, torque + couple
         sizes = np.maximum(sizes, np.maximum(np.abs(own), np.abs(couple)))
-    if on == "ground" and np.abs([force, torque]).max() < _ROUNDED * sizes.max():
+    cancels = np.abs([force, torque]).max() < _ROUNDED * sizes.max()
+    if on == "ground" and (cancels or not acting):
         raise InputError(elsewhere)  # what it exerts on one body it exerts back on another
     if isinstance(at, str):
         arm = result.point(at) - places[on]

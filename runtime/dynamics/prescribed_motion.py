@@ -328,8 +328,8 @@ def _require_driven(equations: Equations, start: Assembly, analysis: str) -> Non
     hint = f" Declared but left out of this scene: {', '.join(left_out)}." if left_out else ""
     if loose := [*_loose_bodies(equations, start)]:
         hint += (
-            f" While all else stands still, {listed(loose)} may move: a rod between two ball joints"
-            " turns about its own line; make one end universal, or use distance without the rod."
+            f" While all else stands still, {listed(loose)} may move. A rod between two ball joints"
+            " does, about its own line: make one end universal, or use distance without the rod."
         )
     raise AnalysisError(
         f"{description.title}: {analysis.replace('_', ' ')} needs a machine without freedom, and "

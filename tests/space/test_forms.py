@@ -1,6 +1,7 @@
 """Forms of bodies in space: extruded outlines, and meshes of files; their solids and strokes."""
 
 import sys
+from functools import partial
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -158,7 +159,56 @@ def test_meshes_that_are_too_large_or_none_are_refused(
             read_mesh(file, "mm")
     pytest.importorskip("trimesh")
     monkeypatch.setattr(solid_forms, "MOST", 3)
-    with pytest.raises(ModelError, match=r"part\.stl has 4 triangles; give a file with 1 to 3 and"):
+    with pytest.raises(
+        ModelError, match=r"part\.stl has 4 triangles; give a file with 1 to 3, for"
+    ):
+        read_mesh(file, "mm")
+
+
+CROSSED: Any = (
+    [(0, 0), (1, 1), (1, 0), (0, 1)],
+    [(0, 0), (1, 0), (2, 0)],
+    [(0, 0), (10, 0), (10, 1), (5, 1), (5, 0.5), (5, 1), (0, 1)],
+    rectangle(1, 1).with_holes(disc(0.1, (3, 0))),
+    rectangle(1, 1).with_holes(disc(0.2, (0.5, 0))),
+    rectangle(1, 1).with_holes(rectangle(0.5, 0.5, (0.25, 0))),
+    rectangle(1, 1).with_holes(disc(0.2), disc(0.2)),
+    rectangle(1, 1).with_holes(disc(0.2), disc(0.1)),
+)
+ROUNDS = np.arange(6000) * 2 * pi / 6000
+
+
+def test_a_corner_given_twice_is_one() -> None:
+    square = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    for twice in ([*square, square[0]], [square[0], *square]):
+        plate = extruded(twice, 0.5)
+        assert is_closed(plate)
+        assert len(plate.vertices) == 8
+
+
+@pytest.mark.parametrize("turn", [0.0, pi])
+def test_an_open_mesh_shows_its_border_from_either_side(turn: float) -> None:
+    sheet = Mesh(np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0.0)]),
+                 np.array([(0, 1, 2), (0, 2, 3)]))  # fmt: skip
+    model = Model("sheet", space=True)
+    model.body("b", 1.0, (1, 1, 1), axes=(turn, 0, 0), draw=sheet)
+    model.scene("s")
+    picture = declared_picture(model)
+    assert isinstance(picture, SpacePicture)
+    (solid,) = solids(picture)
+    styles = [stroke.style for stroke in strokes_in_space(picture, [solid])]
+    assert styles.count("edge") == 4
+    assert model.draw()
+
+
+def test_meshes_have_triangles_within_reach(tmp_path: Path) -> None:
+    pytest.importorskip("trimesh")
+    file = write(tmp_path / "part.obj")
+    file.write_text(file.read_text().replace("40", "5e7"))
+    with pytest.raises(ModelError, match=r"4 triangles with an area, and corners to 5e\+10 m"):
+        read_mesh(file, "km")
+    file.write_text("v 0 0 0\nv 1 0 0\nv 0 0 0\nf 1 2 3\n")
+    with pytest.raises(ModelError, match=r"part\.obj has 0 triangles with an area"):
         read_mesh(file, "mm")
 
 
@@ -179,6 +229,13 @@ def pictured(draw: Any = None, ground: Any = None) -> None:
         (lambda: extruded(disc(1), 1, at=3), "at is 3, axes is .*; give a place, three numbers"),
         (lambda: extruded(disc(1), 1, axes=((1, 0, 0), (2, 0, 0))), "two directions that are not"),
         (lambda: extruded(disc(1), 1, axes=3), "axes is 3; give a place"),
+        (lambda: extruded(disc(1), "3 kg"), "thickness is '3 kg'; give a length"),
+        (lambda: extruded([(0, 0), (1, np.nan), (1, 1)], 1), "a corner that is not finite"),
+        *((partial(extruded, lines, 0.1), "cross, touch or bound no area") for lines in CROSSED),
+        (
+            lambda: extruded(polygon(np.array([np.cos(ROUNDS), np.sin(ROUNDS)]).T.tolist()), 1),
+            "takes 24000 triangles or more, and a page has room for 20000",
+        ),
         (
             lambda: extruded(disc(Model("m").parameter("r", 1.0, unit="m")), 1),
             "contains parameters",

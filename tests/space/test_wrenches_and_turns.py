@@ -176,3 +176,21 @@ def test_comparisons_take_p_and_its_opposite_for_one() -> None:
     assert errors(signs * values, reference, by).worst > 0.1
     half = np.where([name == "bob.e2" for name in names], -values, values)  # not all of its p
     assert errors(half, reference, by).worst > 0.1
+
+
+def test_a_gear_of_counted_angles_has_no_wrench(workshop: Path) -> None:
+    model = Model("meshed", space=True)
+    wheels = [model.body(f"w{k}", 1.0, (0.1, 0.1, 0.1), at=(k, 0, 0)) for k in (0, 1)]
+    axles = [
+        model.revolute(f"A{k}", model.ground, wheel, at=(k, 0, 0), axis=(0, 0, 1))
+        for k, wheel in enumerate(wheels)
+    ]
+    model.gear("mesh", *axles, -2.0)
+    model.torque("turn", wheels[0], (0, 0, 1.0))
+    model.scene("run", ["turn"])
+    run = load(model, folder=workshop).simulate(1.0, 2, progress=False)
+    assert run.reaction("mesh", "torque")[0] == pytest.approx(-0.4)
+    for on in ("ground", "w0"):
+        with pytest.raises(InputError, match="'mesh' acts on coordinates of joints"):
+            run.wrench("mesh", on)
+    assert run.wrench("A0", "ground").shape == (2, 6)
