@@ -44,5 +44,5 @@ def test_problems_are_those_of_the_contest() -> None:
 
 
 def test_unknown_measurements_are_refused() -> None:
-    with pytest.raises(typer.BadParameter, match="'element' is none of elements, kernels"):
+    with pytest.raises(typer.BadParameter, match="'element' is none of elements, elements_in"):
         chosen(["element"])
