@@ -133,7 +133,7 @@ def test_what_happened_to_joints_is_shown(workshop: Path) -> None:
     assert facts["ended_by"] == "high"
     assert facts["reconnections"] == [{
         "time": change.time, "joint": "hinge", "action": "release", "impulse": {},
-        "energy_lost": 0.0, "units": {},
+        "energy_lost": 0.0, "units": {}, "opposite": False,
     }]  # fmt: skip
 
 
