@@ -204,6 +204,16 @@ class Pair:
         return max(share, _LEAST_SHARE) if largest >= DIVERGED else share
 
     @property
+    def error(self) -> float:
+        """Estimated error of the run that is the result.
+
+        Two runs may differ by chance by less than either errs, as where bodies swing through large
+        angles. No run is therefore taken to err by less than errors scatter about its tolerance.
+        """
+        delivered, _ = self.by_merit
+        return max(self.share * self.difference.largest, _SCATTER * delivered.options.rtol)
+
+    @property
     def by_merit(self) -> tuple[Run, Run]:
         """The run that is the result, and the one with which it was compared."""
         return (self.loose, self.tight) if self.tight_fails else (self.tight, self.loose)
@@ -249,7 +259,7 @@ def with_accuracy(
         reached = len(difference.t)  # both end by themselves, on either side of an instant
     whole = count >= min(reached, len(difference.t)) and len(difference.t) >= reached
     accuracy = result.accuracy = ReachedAccuracy(
-        asked=target, estimated=max(EPS, of_all * difference.largest),
+        asked=target, estimated=max(pair.error, of_all * difference.largest),
         quantities=tuple(_estimates(quantities, difference, of_all)), method=delivered.method,
         formulation=delivered.formulation, rtol=delivered.rtol, runs=trials,
         horizon=None if whole else float(difference.t[count - 1] if count else result.t[0]),

@@ -223,7 +223,7 @@ class _Search:
         )
         error = "its error is not known, since it was compared with no other run"
         if pair is not None:
-            error = f"its error is about {pair.share * pair.difference.largest:.1e}"
+            error = f"its error is about {pair.error:.1e}"
         advice, result.outcome = Outcome.INTERRUPTED.advice, Outcome.INTERRUPTED
         result.message = (
             f"Interrupted in run {len(self.runs)} of the search for an accuracy of "
@@ -296,7 +296,7 @@ class _Search:
         """Whether no further run is needed, or helps."""
         largest, rtol = pair.difference.largest, pair.tight.options.rtol
         margin = _MARGIN if rtol > ROUNDING else 1.0  # a tighter run errs as much
-        small = largest < DIVERGED and pair.share * largest <= margin * self.target
+        small = largest < DIVERGED and pair.error <= margin * self.target
         if pair.conclusive and small:
             return True
         return pair.tight_fails or rtol <= _tightest(pair) or len(self.runs) >= _MOST_RUNS
