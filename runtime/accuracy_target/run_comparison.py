@@ -30,6 +30,7 @@ _MOST = 1e-2  # accuracy: difference from which on its growth is no longer that 
 _STRAY = 10.0  # measured: least ratio of a difference to the second run's motion that is an error
 _EACH, _ALL = 3.0, 30.0  # measured: exponential growth over a quarter of the time, and over two
 _ENOUGH = 16  # safety: least number of instants for an estimate of growth
+_NEAR = 0.01  # measured: ratio of rtol from which on two runs may agree by chance
 _LEAST_SHARE = 0.1  # safety: least share of a difference where the motions diverge later
 
 
@@ -207,11 +208,13 @@ class Pair:
     def error(self) -> float:
         """Estimated error of the run that is the result.
 
-        Two runs may differ by chance by less than either errs, as where bodies swing through large
-        angles. No run is therefore taken to err by less than errors scatter about its tolerance.
+        Runs of near tolerances may differ by chance by less than either errs, as where bodies
+        swing through large angles. Such a run is taken to err by no less than its tolerance times
+        the scatter of errors about it.
         """
-        delivered, _ = self.by_merit
-        return max(self.share * self.difference.largest, _SCATTER * delivered.options.rtol)
+        loose, tight = self.loose.options.rtol, self.tight.options.rtol
+        least = _SCATTER * self.by_merit[0].options.rtol if tight > _NEAR * loose else EPS
+        return max(self.share * self.difference.largest, least)
 
     @property
     def by_merit(self) -> tuple[Run, Run]:
