@@ -106,21 +106,24 @@ def conjugate(p: Any) -> tuple[Any, ...]:
     return (p[0], *(-e for e in p[1:]))
 
 
-SMALLEST = 1e-16  # safety: added to sin² χ/2, so that its root has a slope at 0; below rounding
+# safety: below rounding; added to sin² χ/2, so that its root has a slope at 0, and to cos χ/2, so
+# that a half turn does not divide by 0
+SMALLEST = 1e-16
 
 
 class RotationVectorEntry(_Entry):
     """θ_k of the rotation vector of A_iᵀ A_j D, of k and the Euler parameters of i, of j and D.
 
     With the Euler parameters (w, v) of this turn by χ, θ = (v / |v|) 2 atan(|v| / w), the same for
-    (-w, -v): it is exact up to half a turn, and smooth at 0.
+    (-w, -v): it is exact up to half a turn, and smooth at 0. At half a turn it has the value of one
+    side, along v.
     """
 
     @classmethod
     def _polynomial(cls, k: Any, *at: Any) -> sympy.Expr:
         w, *v = product(product(conjugate(at[:4]), at[4:8]), at[8:])
         sine = sympy.sqrt(sympy.Add(*(x**2 for x in v)) + SMALLEST)
-        return v[int(k)] * (2 * sympy.atan(sine / w) / sine)
+        return v[int(k)] * (2 * sympy.atan(sine / (w + SMALLEST)) / sine)
 
     def _sympystr(self, printer: Any) -> str:
         return f"theta({', '.join(map(str, self.args))})"

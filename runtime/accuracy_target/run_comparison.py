@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from codegen.errors import AnalysisError
+from codegen.object_display import listed
 from runtime.accuracy_target.error_norms import scaled_errors, with_signs_of
 from runtime.accuracy_target.runs import Quantities, Run
 from runtime.core.arrays import EPS
@@ -261,12 +262,13 @@ def with_accuracy(
     if result.outcome is not Outcome.OK and reached - len(difference.t) <= 1:
         reached = len(difference.t)  # both end by themselves, on either side of an instant
     whole = count >= min(reached, len(difference.t)) and len(difference.t) >= reached
+    singular = _singular_position(result, pair)
     accuracy = result.accuracy = ReachedAccuracy(
         asked=target, estimated=max(pair.error, of_all * difference.largest),
         quantities=tuple(_estimates(quantities, difference, of_all)), method=delivered.method,
         formulation=delivered.formulation, rtol=delivered.rtol, runs=trials,
         horizon=None if whole else float(difference.t[count - 1] if count else result.t[0]),
-        tenfold=tenfold_time(difference),
+        tenfold=None if singular else tenfold_time(difference),
         means=_explanation(pair, reasons), seconds=sum(trial.seconds for trial in trials),
     )  # fmt: skip
     if whole:
@@ -275,7 +277,7 @@ def with_accuracy(
     if count < (1 if difference.scaled[:1].any() else 2):  # the start alone is no motion
         raise AnalysisError(_refusal(result, accuracy, difference))
     end_after(result, count)
-    result.message = _message(accuracy, difference)
+    result.message = _message(accuracy, difference, singular)
     result.outcome = Outcome.INACCURATE
     return result
 
@@ -326,9 +328,29 @@ def _explanation(pair: Pair, reasons: Sequence[str]) -> str:
     return "; ".join([text, *reasons]) + "."
 
 
-def _message(accuracy: ReachedAccuracy, difference: Difference) -> str:
-    """The message of a result that ends at its horizon."""
-    growth = ""
+def _singular_position(result: Result, pair: Pair) -> str:
+    """A sentence on the first singular position that runs pass or end at; empty without one.
+
+    Errors jump there, and grow before: while they are small, their growth is no sign of chaos then.
+    """
+    found = [(one.time, listed((*one.drivers, *one.joints))) for one in result.singular]
+    for run in (pair.loose, pair.tight):
+        path, rows = run.path, result.description.constraints
+        if path.outcome is Outcome.SINGULAR and path.index >= 0 and run.result is None:
+            found.append((path.final_t, rows[path.index].element))
+    t, names = min(found, default=(np.inf, ""))
+    compared, small = pair.difference.t, pair.difference.within(_MOST)
+    if not found or (small < len(compared) and t > compared[small]):
+        return ""
+    return (
+        f" The motion comes to a singular position at t = {t:.6g} s, where constraints of {names} "
+        "become dependent: runs end there, or pass it with an error of rounding that no tolerance "
+        "reduces."
+    )
+
+
+def _message(accuracy: ReachedAccuracy, difference: Difference, growth: str) -> str:
+    """The message of a result that ends at its horizon; `growth` is a known cause of errors."""
     if accuracy.tenfold is not None:
         growth = (
             f" Errors grow tenfold every {accuracy.tenfold:.3g} s: over this time the motion is "

@@ -112,6 +112,26 @@ def test_a_body_turns_to_and_fro_through_nearly_half_a_turn(
         assert_allclose(result.energy(), STIFFNESS * begin**2 / 2, rtol=1e-8)
 
 
+@pytest.mark.parametrize("method", ["dop853", "radau5"])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_body_swings_back_from_half_a_turn(workshop: Path, method: str, side: float) -> None:
+    """There the rotation vector has two directions; the Euler parameters say which one counts."""
+    model: Any = Model("half_turn", space=True)
+    body = model.body("body", MASS, (0.02, 0.03, ABOUT))
+    model.bushing("rubber", model.ground, body, (1, 1, 1, 3.0, 5.0, STIFFNESS))
+    model.scene("swing", ["rubber"], outputs=["deflection(rubber)", "torque(rubber)", "energy"])
+    machine = load(model, folder=workshop)
+    p = {f"body.e{k}": e for k, e in enumerate((0.0, 0.0, 0.0, side))}
+    result = machine.simulate(
+        1.0, 41, start=p | {"body.omega_z": 0.0}, method=method, rtol=1e-10, progress=False
+    )
+    assert result.outcome.name == "OK"
+    swing = side * np.pi * np.cos(np.sqrt(STIFFNESS / ABOUT) * result.t)
+    assert_allclose(result["rubber.deflection.rz"], swing, rtol=0.0, atol=1e-7)
+    assert_allclose(result["rubber.tz"], -STIFFNESS * swing, rtol=0.0, atol=1e-6)
+    assert_allclose(result.energy(), STIFFNESS * np.pi**2 / 2, rtol=1e-8)
+
+
 def test_a_body_that_tumbles_on_a_bushing_keeps_its_energy(swinging: Any) -> None:
     """About a changing axis, by large angles; along the axes it swings with √(k/m)."""
     start = {"body.vx": 0.3, "body.omega_x": 9.0, "body.omega_y": -9.0, "body.omega_z": 4.0}
@@ -180,6 +200,10 @@ MISTAKES: dict[str, tuple[Callable[[Any, Any, Any], Any], str]] = {
     "unit": (
         lambda m, a, b: m.bushing("B", a, b, ("5 N/mm", 1, 1, "3 N/mm", 1, 1), at=(0, 0, 0)),
         "stiffness of bushing 'B': 3 newton / millimeter has the dimension",
+    ),
+    "unit of a parameter": (
+        lambda m, a, b: m.bushing("B", a, b, np.diag([m.parameter("k", 3.0, "N/m")] * 6)),
+        "stiffness of bushing 'B': parameter 'k' is in N/m, but N m/rad is needed; correct its",
     ),
     "nothing": (
         lambda m, a, b: m.bushing("B", a, b, at=(0, 0, 0)),
