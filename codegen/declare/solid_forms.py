@@ -14,7 +14,7 @@ from codegen.readers.calls import declaring
 from codegen.readers.quantities import UnitError, converted, finite_in_unit
 from codegen.readers.values import KindError, members, shown
 
-LARGEST = 1e9  # safety: m; corners of a mesh farther off are not drawn
+LARGEST = 1e9  # safety: m; forms that reach farther are not drawn
 ORIGIN, PLANE = (0, 0, 0), ((1, 0, 0), (0, 1, 0))
 
 
@@ -38,14 +38,15 @@ def extruded(outline: Any, thickness: Any, at: Any = ORIGIN, axes: Any = PLANE) 
         height = finite_in_unit(thickness, "m")
     except UnitError:
         height = None
-    if height is None or height <= 0.0:
-        raise ModelError(f"thickness is {shown(thickness)}; give a length of more than 0 m.")
+    if height is None or not 0.0 < height < LARGEST:
+        size = f"more than 0 m, up to {LARGEST:.0e} m"
+        raise ModelError(f"thickness is {shown(thickness)}; give a length of {size}.")
     try:
         loops = [numbers_of(tuple(loop), {}) for loop in (whole, *whole.holes)]
     except KindError as error:
         raise ModelError("the outline of a form contains parameters; give numbers.") from error
-    if not all(np.isfinite(loop).all() for loop in loops):
-        raise ModelError("the outline of a form has a corner that is not finite; give numbers.")
+    if not all(np.abs(loop).max() < LARGEST for loop in loops):
+        raise ModelError(f"the outline of a form has a corner that is not within {LARGEST:.0e} m.")
     return _placed(prism(loops, height), at, axes)
 
 
@@ -53,7 +54,7 @@ def extruded(outline: Any, thickness: Any, at: Any = ORIGIN, axes: Any = PLANE) 
 def read_mesh(file: str | Path, unit: str, at: Any = ORIGIN, axes: Any = PLANE) -> Mesh:
     """The surface in an STL or OBJ file, as the form of a body in space; it has no mass.
 
-    trimesh reads the file, whose changes make builds stale.
+    trimesh reads the file. Where the file has changed, models that read it are built again.
 
     Parameters
     ----------
@@ -74,7 +75,9 @@ def read_mesh(file: str | Path, unit: str, at: Any = ORIGIN, axes: Any = PLANE) 
         read = reader.load_mesh(path, file_type=path.suffix.lower()[1:])
         vertices, faces = np.asarray(read.vertices, float), np.asarray(read.faces)
     except Exception as error:  # the readers of trimesh raise many kinds
-        raise ModelError(f"{path.name} cannot be read: {error}") from error
+        # what is neither binary nor UTF-8 it hands to another package, which need not be there
+        reason = "it is damaged, or cut off" if isinstance(error, ImportError) else error
+        raise ModelError(f"{path.name} cannot be read: {reason}") from error
     corners, numbers = np.unique(scale * vertices, axis=0, return_inverse=True)
     faces = numbers.ravel()[faces] if len(faces) else faces
     a, b, c = faces.T if len(faces) else (faces,) * 3
@@ -99,7 +102,7 @@ def _placed(mesh: Mesh, at: Any, axes: Any) -> Mesh:
             np.array([finite_in_unit(c, "m") for c in members(one, 3)], dtype=float)
             for one in (at, *members(axes, 2))
         )
-        attitude = attitude_of_axes(x, y) if np.isfinite(origin).all() else None
+        attitude = attitude_of_axes(x, y) if np.abs(origin).max() < LARGEST else None
     except KindError:
         attitude = None
     if attitude is None:

@@ -11,6 +11,10 @@ from codegen.drawing.plane_geometry import FloatArray, Points, area, contains, p
 from codegen.errors import ModelError
 
 MOST = 20_000  # layout: triangles of a mesh; a page has some 10 bytes for each
+NO_AREA = (
+    "the lines of a form cross, touch or bound no area; give an outline round one area, and holes "
+    "within it that are apart."
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,14 +45,11 @@ def prism(loops: list[Points], height: float) -> Mesh:
     Raises
     ------
     ModelError
-        Where the lines are not round areas, or would take too many triangles.
+        Where the lines bound no areas, or would take too many triangles.
     """
     loops = [loop[loop != np.roll(loop, 1)] for loop in loops]
     if not _bound_areas(loops):
-        raise ModelError(
-            "the lines of a form cross, touch or bound no area; give an outline round one area, "
-            "and holes within it that are apart."
-        )
+        raise ModelError(NO_AREA)
     ways = [z if (area(z) > 0.0) == (k == 0) else z[::-1] for k, z in enumerate(loops)]
     corners, after, top = _cap(ways)
     a, below = np.arange(len(corners)), len(corners)
@@ -63,7 +64,7 @@ def _cap(loops: list[Points]) -> tuple[Points, Any, Any]:
 
     Edges that Delaunay's triangles do not have are halved until they have them.
     """
-    from scipy.spatial import Delaunay  # here: a compiler needs none
+    from scipy.spatial import Delaunay, QhullError  # here: a compiler needs none
 
     while True:
         corners, ends = np.concatenate(loops), np.cumsum([len(loop) for loop in loops])[:-1]
@@ -74,7 +75,10 @@ def _cap(loops: list[Points]) -> tuple[Points, Any, Any]:
             )
         numbers = np.split(np.arange(len(corners)), ends)
         after = np.concatenate([np.roll(part, -1) for part in numbers])
-        cells = Delaunay(pairs(corners)).simplices
+        try:
+            cells = Delaunay(pairs(corners)).simplices
+        except QhullError as error:
+            raise ModelError(NO_AREA) from error
         sides = np.concatenate(np.moveaxis(cells[:, [[0, 1], [1, 2], [2, 0]]], 1, 0))
         known = {*map(tuple, sides.tolist())} | {*map(tuple, sides[:, ::-1].tolist())}
         split = np.array([pair not in known for pair in enumerate(after.tolist())])

@@ -168,6 +168,7 @@ def test_meshes_that_are_too_large_or_none_are_refused(
 CROSSED: Any = (
     [(0, 0), (1, 1), (1, 0), (0, 1)],
     [(0, 0), (1, 0), (2, 0)],
+    [(0, 0), (1, 0), (0.5, 1e-18)],
     [(0, 0), (10, 0), (10, 1), (5, 1), (5, 0.5), (5, 1), (0, 1)],
     rectangle(1, 1).with_holes(disc(0.1, (3, 0))),
     rectangle(1, 1).with_holes(disc(0.2, (0.5, 0))),
@@ -212,6 +213,14 @@ def test_meshes_have_triangles_within_reach(tmp_path: Path) -> None:
         read_mesh(file, "mm")
 
 
+def test_a_file_that_is_cut_off_is_no_package_that_is_missing(tmp_path: Path) -> None:
+    pytest.importorskip("trimesh")
+    half = tmp_path / "half.stl"
+    half.write_bytes(bytes(80) + (12).to_bytes(4, "little") + bytes([0, 0, 128, 63]) * 70)
+    with pytest.raises(ModelError, match=r"half\.stl cannot be read: it is damaged, or cut off"):
+        read_mesh(half, "mm")
+
+
 def pictured(draw: Any = None, ground: Any = None) -> None:
     """The picture of one body with forms."""
     model = Model("m", space=True)
@@ -226,11 +235,14 @@ def pictured(draw: Any = None, ground: Any = None) -> None:
     [
         (lambda: extruded(3, 1), "3 is no list of three corners"),
         (lambda: extruded(disc(1), 0), "thickness is 0; give a length of more than 0 m"),
+        (lambda: extruded(disc(1), 1e300), "thickness is 1e.300; give a length"),
+        (lambda: extruded(disc(1), 1, at=(0, 0, 1e10)), "at is .*; give a place, three numbers"),
+        (lambda: extruded([(0, 0), (1e300, 0), (0, 1e300)], 1), r"not within 1e\+09 m"),
         (lambda: extruded(disc(1), 1, at=3), "at is 3, axes is .*; give a place, three numbers"),
         (lambda: extruded(disc(1), 1, axes=((1, 0, 0), (2, 0, 0))), "two directions that are not"),
         (lambda: extruded(disc(1), 1, axes=3), "axes is 3; give a place"),
         (lambda: extruded(disc(1), "3 kg"), "thickness is '3 kg'; give a length"),
-        (lambda: extruded([(0, 0), (1, np.nan), (1, 1)], 1), "a corner that is not finite"),
+        (lambda: extruded([(0, 0), (1, np.nan), (1, 1)], 1), "a corner that is not within"),
         *((partial(extruded, lines, 0.1), "cross, touch or bound no area") for lines in CROSSED),
         (
             lambda: extruded(polygon(np.array([np.cos(ROUNDS), np.sin(ROUNDS)]).T.tolist()), 1),
