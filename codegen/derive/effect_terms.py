@@ -35,8 +35,9 @@ class FrictionTerms:
     """A force -grip · N along a slip s, N from the reaction of a joint."""
 
     joint: str  # name of the joint that rubs
-    slip: sympy.Expr  # ṡ
-    grip: sympy.Expr  # strength · tanh(ṡ / creep), or strength · σ of a friction that sticks
+    slip: sympy.Expr  # ṡ; of a slip v of several components vᵀv / √(vᵀv + creep²)
+    # strength · tanh(ṡ / creep), strength · σ of a friction that sticks, or strength · 1 along v
+    grip: sympy.Expr
     direction: tuple[tuple[Coordinate, sympy.Expr], ...]  # (coordinate, ∂s/∂q), Q of a unit force
     contacts: tuple[el.Pressing, ...]  # loads as in `FrictionLaw`
     unit: str  # of the force
@@ -146,7 +147,7 @@ def measured(measure: el.Measure) -> el.Measure:
 def _friction(effect: str, law: el.FrictionLaw, law_at_rest: el.Hold | None) -> FrictionTerms:
     slip = law.slip
     direction = tuple((v.coordinate, derivative(slip, v)) for v in kinds(slip, Velocity))
-    if isinstance(law.along, tuple) and law.creep is not None:  # against the growth of its size
+    if len(law.slips) > 1 and law.creep is not None:  # against the growth of its size
         slip, direction_of_slip = slip - law.creep**2 / slip, sympy.S.One
     else:
         direction_of_slip = side(effect) if law.creep is None else sympy.tanh(slip / law.creep)

@@ -1,6 +1,7 @@
 """Friction in joints in space: dense equations, closed forms, the plane, and what is refused."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,9 @@ from numpy.testing import assert_allclose
 from sympy import sin
 
 from codegen import Model, t
+from codegen.derive.effect_terms import effect_terms
 from codegen.driver import build
+from codegen.elements.space.friction import JointFrictionInSpace
 from codegen.errors import ModelError
 from runtime import load
 from tests.random_mechanisms import spatial_parts as parts
@@ -215,6 +218,16 @@ MISTAKES: dict[str, tuple[Callable[[Any, Any], Any], str]] = {
         "is no velocity, for it contains none; write one,",
     ),
 }  # fmt: skip
+
+
+def test_a_slip_of_one_component_is_that_component(monkeypatch: pytest.MonkeyPatch) -> None:
+    model: Any = Model("one_slip", space=True)
+    hinge = model.revolute("hinge", model.ground, model.body("a", 1.0, (1, 1, 1)), at=Z, axis=Z)
+    rub = model.friction("rub", hinge, 0.2, creep=0.1, radius=0.05)
+    alone, law = effect_terms(rub, hinge.bodies), rub.friction()
+    listed = replace(law, along=(law.along,))
+    monkeypatch.setattr(JointFrictionInSpace, "friction", lambda of: listed)
+    assert effect_terms(rub, hinge.bodies) == alone
 
 
 @pytest.mark.parametrize("case", MISTAKES)

@@ -167,6 +167,14 @@ def coefficient_unit(law: Any) -> str:
     return "m" if getattr(law.joint, "friction_arm", "") == "arm" else "1"
 
 
+def not_rubbing(law: "JointFriction", advice: str) -> str:
+    """The problem of a joint that does not rub."""
+    joint = law.joint
+    name = f"'{joint.name}'" if isinstance(joint, Constraint) else shown(joint)
+    advice += " itself, not its name." if isinstance(joint, str) else "."
+    return f"{label(law)}: {name} is no joint that rubs; {advice}"
+
+
 @element
 class JointFriction(Coulomb):
     """A joint rubs under its own reaction; it slides, rolls, and sticks.
@@ -253,11 +261,8 @@ class JointFriction(Coulomb):
         """Joints that do not rub, and two laws at once."""
         where, joint = label(self), self.joint
         if not isinstance(joint, RubbingJoint):
-            name = f"'{joint.name}'" if isinstance(joint, Constraint) else shown(joint)
             advice = "give a revolute, a translational or a revolute-translational joint, "
-            advice += "a follower of a cam, or a rolling disc"
-            advice += " itself, not its name." if isinstance(joint, str) else "."
-            return [f"{where}: {name} is no joint that rubs; {advice}"]
+            return [not_rubbing(self, advice + "a follower of a cam, or a rolling disc")]
         pin = joint.friction_arm == "radius"
         problems = angle_problems(self, *joint.bodies) if joint.friction_arm else []
         if pin and self.radius is None:

@@ -6,10 +6,10 @@ from typing import Any
 import sympy
 
 from codegen.declare.body import Bodies
-from codegen.declare.element import Constraint, FrictionLaw, Measure, Measures, Pressing, label
+from codegen.declare.element import FrictionLaw, Measure, Measures, Pressing, label
 from codegen.declare.element_fields import quantity
 from codegen.drawing.shapes import Shapes
-from codegen.elements.forces.friction import Coulomb, JointFriction
+from codegen.elements.forces.friction import Coulomb, JointFriction, not_rubbing
 from codegen.elements.registry import element
 from codegen.elements.space.joints import (
     Cylindrical,
@@ -17,7 +17,6 @@ from codegen.elements.space.joints import (
     RevoluteInSpace,
     TranslationalInSpace,
 )
-from codegen.readers.values import shown
 
 FORCE, TORQUE = ("fx", "fy", "fz"), ("tx", "ty", "tz")
 RUBBING = RevoluteInSpace, Cylindrical, TranslationalInSpace
@@ -41,8 +40,8 @@ class JointFrictionInSpace(JointFriction):
 
     A cylindrical joint slips by v = (ṡ, R ω), and the friction is opposite to v: with the creep
     speed v_c the force along the slide is -μ N ṡ / √(vᵀv + v_c²), and the torque about the axis
-    -μ N R² ω / √(vᵀv + v_c²). It creeps at rest, and does not stick. Its reported force is the
-    size of both, -μ N.
+    -μ N R² ω / √(vᵀv + v_c²). It creeps, and does not stick. Its reported force is -μ N at all
+    speeds; what acts is the part |v| / √(vᵀv + v_c²) of it.
     """
 
     kind = "friction in space"
@@ -111,13 +110,10 @@ class JointFrictionInSpace(JointFriction):
         return ()
 
     def problems(self) -> list[str]:
-        """Joints that do not rub, radii that are missing or of nothing, and two laws at once."""
+        """Joints that do not rub, radii missing or out of place, and two laws at once."""
         where, joint = label(self), self.joint
         if not isinstance(joint, RUBBING):
-            name = f"'{joint.name}'" if isinstance(joint, Constraint) else shown(joint)
-            advice = "give a revolute, a translational or a cylindrical joint"
-            advice += " itself, not its name." if isinstance(joint, str) else "."
-            return [f"{where}: {name} is no joint that rubs; {advice}"]
+            return [not_rubbing(self, "give a revolute, a translational or a cylindrical joint")]
         problems, what = [], f"{where}: {joint.kind.removesuffix(' in space')} joint '{joint.name}'"
         if self.radius is None and not isinstance(joint, TranslationalInSpace):
             problems.append(f"{what} needs radius=, its pin's, in m.")
