@@ -45,10 +45,7 @@ def inertia_problems(model: "Model", body: SpaceBody) -> Iterator[str]:
 
 
 def teeth_problems(model: "Model", teeth: Teeth) -> Iterator[str]:
-    """Joints of a gear or a rack without a carrier: no body of the one turns with one of the other.
-
-    Bodies that a weld or a translational joint holds turn together.
-    """
+    """Joints of a gear or a rack without a carrier; welds and guides make one body of two."""
     names = [name for row in (teeth.angle, teeth.driven) for name in owners(row)]
     if len(names) != 2 or not {*names} <= {*model.joints}:
         return
@@ -61,7 +58,7 @@ def teeth_problems(model: "Model", teeth: Teeth) -> Iterator[str]:
         pairs = ", ".join(f"'{n}' of {two}" for n, two in zip(names, bodies, strict=True))
         yield (
             f"{label(teeth)}: joints {pairs} have no carrier in common, and the angle of a joint "
-            "is that of its second body against its first; hinge both wheels on the body that "
-            "carries them. For a coupling of other angles write model.constraint(name, B.angle - "
-            "n * A.angle)."
+            "is that of its second body against its first; join both to the body that carries "
+            f"them. For a coupling without one write model.constraint(name, {names[1]}."
+            f"{teeth.letter} - n * {names[0]}.angle)."
         )

@@ -140,11 +140,3 @@ def rotation_matrix(p: tuple[Any, ...]) -> sympy.ImmutableMatrix:
 def spin(p: tuple[Any, ...], rates: tuple[Any, ...]) -> tuple[sympy.Expr, ...]:
     """ω' of Euler parameters and their rates."""
     return tuple(SpinEntry(k, *p, *rates) for k in range(3))
-
-
-def turned_by_unit(matrix: sympy.Matrix, k: int) -> sympy.Matrix:
-    """A ẽ_k, the slope of A by a turn about the body's own axis k, 3 × 3."""
-    e = sympy.zeros(3, 1)
-    e[k] = 1
-    columns = [matrix * e.cross(sympy.eye(3)[:, j]) for j in range(3)]
-    return sympy.Matrix.hstack(*columns)

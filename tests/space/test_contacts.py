@@ -245,8 +245,8 @@ def test_a_ball_bounces_on_a_plane_that_yields(workshop: Path) -> None:
     model = Model("trampoline", space=True, gravity=DOWN)
     m, k, radius, fall = 0.5, 5000.0, 0.1, 0.3
     ball = model.body("ball", m, (0.002,) * 3, at=(0, 0, radius + fall))
-    plane = {"direction": Z, "free_length": radius, "may_pull": False}
-    model.contact("floor", model.ground, ball, **plane, stiffness=k)  # type: ignore[arg-type]
+    plane: dict[str, Any] = {"direction": Z, "free_length": radius, "may_pull": False}
+    model.contact("floor", model.ground, ball, **plane, stiffness=k)
     start = {"ball.vx": 0.4, "ball.omega_z": 3.0}
     model.scene(
         "drop", ["gravity", "floor"], start=start, outputs=["default", "penetration(floor)"]

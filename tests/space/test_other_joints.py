@@ -155,7 +155,9 @@ MISTAKES: dict[str, tuple[Callable[[Any, Any, Any], Any], str]] = {
             m.revolute("A", m.ground, m.body("c", 1.0, (1, 1, 1)), at=X, axis=X), 2,
         ),
         ("gear in space 'G': joints 'hinge' of a and b, 'A' of ground and c have no carrier in "
-         "common, and the angle of a joint is that of its second body against its first; hinge"),
+         "common, and the angle of a joint is that of its second body against its first; join "
+         "both to the body that carries them. For a coupling without one write "
+         "model.constraint(name, A.angle - n * hinge.angle)."),
     ),
     "gear of bodies": (
         lambda m, a, b: m.gear("G", a, b, 2),

@@ -1,6 +1,7 @@
 """Torques and forces that do what drivers would, in space and in the plane: the same numbers."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -83,6 +84,6 @@ def test_a_force_of_one_component_is_sought_and_others_are_refused(tmp_path: Pat
 
 def test_a_spring_without_an_actuator_is_not_sought() -> None:
     model = arm_in_space()
-    spring = model.torsion_spring("spring", model.joints["B"], stiffness=2.0)
+    spring: Any = model.torsion_spring("spring", model.joints["B"], stiffness=2.0)
     assert isinstance(spring, Effect)
-    assert spring.exerting(2) is None  # type: ignore[attr-defined]
+    assert spring.exerting(2) is None
