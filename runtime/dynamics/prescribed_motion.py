@@ -37,6 +37,7 @@ from runtime.explicit_time.passage import Passages
 from runtime.integrate.problem import Options, Passage
 from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
 from runtime.mechanism.mechanism import Mechanism, Numbers
+from runtime.mechanism.module_tables import Description
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly, State
 from runtime.results.motion_at_instants import Motion
@@ -47,7 +48,6 @@ from runtime.validation.arguments import instants, parameter_values, require_mas
 from runtime.validation.finite_equations import left_tables, name_left_tables
 from runtime.validation.scene_support import require_mass, require_no_rigid
 
-_LOOSE = 1e-8  # accuracy: part of a body's largest slope of constraints; less is none
 _DIRECTIONS = {"crossing": int(Direction.CROSSED), "lock-up": int(Direction.LOCKED)}
 
 
@@ -65,7 +65,7 @@ def kinematics(
     if isinstance(start, Assembly):
         start = State(start.t, start.q, start.v, start.coordinates)
     begin = assemble(equations, t_start, guess, start)
-    _require_driven(equations, begin, analysis)
+    _require_driven(mechanism.description, begin, analysis)
     equations = suited_equations(equations, begin)
     given = start if isinstance(start, State) else start_values(mechanism, guess, start)
     preferred = begin.v if getattr(given, "spins", ()) else given.v
@@ -317,19 +317,18 @@ def _of_instants(
     return motion._replace(outcome=outcome, message=f"Stopped before t = {t:.9g} s. {text}")
 
 
-def _require_driven(equations: Equations, start: Assembly, analysis: str) -> None:
+def _require_driven(description: Description, start: Assembly, analysis: str) -> None:
     """Refuse a machine that its drivers leave free to move."""
     free = start.degrees_of_freedom
     if free == 0:
         return
-    description = equations.description
     drivers = ", ".join(description.drivers) or "none"
     left_out = [row.name for row in description.left_out if "driver" in row.kind]
     hint = f" Declared but left out of this scene: {', '.join(left_out)}." if left_out else ""
-    if loose := [*_loose_bodies(equations, start)]:
+    if rods := [*_spinning_rods(description)]:
         hint += (
-            f" While all else stands still, {listed(loose)} may move. A rod between two ball joints"
-            " does, about its own line: make one end universal, or use distance without the rod."
+            f" Between two ball joints, {listed(rods)} may spin about the line of these: make one "
+            "end universal, or use distance without the rod."
         )
     raise AnalysisError(
         f"{description.title}: {analysis.replace('_', ' ')} needs a machine without freedom, and "
@@ -341,10 +340,11 @@ def _require_driven(equations: Equations, start: Assembly, analysis: str) -> Non
     )
 
 
-def _loose_bodies(equations: Equations, start: Assembly) -> Iterator[str]:
-    """The bodies in space that may move while all other bodies stand still."""
-    jacobian = equations.jacobian(start.t, start.q)
-    for body, k in equations.description.turning:
-        held = np.linalg.svd(jacobian[:, k - 3 : k + 4], compute_uv=False)
-        if len(held) < 7 or held[-1] <= _LOOSE * held[0]:
+def _spinning_rods(description: Description) -> Iterator[str]:
+    """The bodies in space that two ball joints hold, and nothing else."""
+    rows, columns = description.jacobian_rows, description.jacobian_columns
+    for body, k in description.turning:
+        held = np.unique(rows[(columns >= k - 3) & (columns < k + 4)])
+        kinds = sorted(description.constraints[row].kind for row in held)
+        if kinds == ["body", *["spherical"] * 6]:
             yield body
