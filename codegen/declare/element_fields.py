@@ -271,8 +271,7 @@ def quantity(
     Parameters
     ----------
     unit
-        In SI, one a component; "1" of a pure number, empty if it may be any; or a function that
-        returns it for the fields before this one.
+        In SI, one a component; or a function that returns it for the fields before this one.
     needs
         What the build asks of the value, and each run of the parameters in it.
     binds
@@ -320,6 +319,5 @@ def field_conditions(element: Any) -> Iterator[Condition]:
             text = "the axis ({1:g}, {2:g}) has no direction; give one."
             yield Condition(text, (ux**2 + uy**2, ux, uy), open=True)
             continue
-        unit = str(read.unit_of(element))
-        row = (read.word or one.name.replace("_", " "), value, "" if unit == "1" else unit)
+        row = (read.word or one.name.replace("_", " "), value, str(read.unit_of(element)))
         yield from sign_conditions(row, positive=read.needs == "positive", advice=read.advice)

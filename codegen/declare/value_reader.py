@@ -35,7 +35,7 @@ from codegen.declare.symbols import (
 )
 from codegen.readers.calls import failure, unreadable
 from codegen.readers.expressions import UNFINISHED, distinct_nodes, plain_expression, unreal_part
-from codegen.readers.quantities import UnitError, in_unit, same_dimension
+from codegen.readers.quantities import UnitError, in_unit
 from codegen.readers.values import (
     KindError,
     entries,
@@ -128,7 +128,6 @@ Values = Mapping[Any, Any]
 NamedValues = tuple[tuple[str, float], ...]
 
 STEPS = (sympy.floor, sympy.ceiling, sympy.Mod)
-_SIGNS = (sympy.S.One, sympy.S.NegativeOne)  # 1.0 is a factor that was written
 CONDITIONS = (Relational, sympy.And, sympy.Or, sympy.Not)
 
 
@@ -157,19 +156,13 @@ class Reader:
         self.symbols: list[tuple[str, frozenset[sympy.Symbol]]] = []  # of the values, by place
         self.problems: list[str] = []  # the sentences, in order
         self.labels: dict[sympy.Basic, str] = {}  # condition → what its events are called
-        self.units: dict[sympy.Basic, str] = {}  # of parameters that have one
 
     def note(self, problem: str) -> None:
         """Add a problem, on one line."""
         self.problems.append(one_line(problem, 2000))
 
     def value(self, value: Any, unit: str, where: str, profile: bool = False) -> Any:
-        """A number, quantity or expression in `unit`; 1 stands in for one that is noted.
-
-        A parameter that stands alone has a unit of this dimension, or none. "1" is the unit of pure
-        numbers; with an empty text, the unit of a parameter may be any.
-        """
-        needed, unit = unit, "" if unit == "1" else unit
+        """A number, quantity or expression in `unit`; 1 stands in for one that is noted."""
         if value is None:
             self.note(f"{where} is missing; give it{f' in {unit}' if unit else ''}.")
             return sympy.S.One
@@ -185,13 +178,6 @@ class Reader:
         if problem := expression_problem(read, profile):
             self.note(f"{where}: {problem}")
             return sympy.S.One
-        factor, symbol = read.as_coeff_Mul()
-        own = self.units.get(symbol, "") if factor in _SIGNS else ""
-        if needed and own and own != needed and not same_dimension(own, needed):
-            self.note(
-                f"{where}: parameter '{symbol}' is in {own}, but {unit or 'a pure number'} is "
-                f"needed; correct its unit, or write the factor between both, 1.0*{symbol}."
-            )
         if read.free_symbols and not profile:
             self.symbols.append((where, frozenset(read.free_symbols)))
         return read

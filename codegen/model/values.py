@@ -92,7 +92,6 @@ class Values(Declarations):
             number, unit = float(converted(number, unit, si)), si
         declared = ParameterDeclaration(name, number, unit, sign)
         self._put("parameter", self.parameters, name, declared)
-        self._read.units[symbol] = unit
         return symbol
 
     def table(

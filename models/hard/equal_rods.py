@@ -33,7 +33,7 @@ rod_length = model.parameter("rod_length", 1.0, unit="m", sign="positive")
 drive_speed = model.parameter("drive_speed", 2 * pi, unit="rad/s")
 
 crank = model.body("crank", mass=1.0, inertia=1 / 12)
-rod = model.body("rod", mass=1.0 * rod_length, inertia=rod_length**3 / 12)
+rod = model.body("rod", mass=rod_length, inertia=rod_length**3 / 12)
 slider = model.body("slider", mass=1.0, inertia=0.1)
 
 model.revolute("A", model.ground.at(0, 0), crank.at(-0.5, 0))

@@ -87,7 +87,7 @@ def long_expressions() -> Model:
             break
     model.torque("nested", on=right, value=nested)
     long_name = "parameter_with_quite_a_long_name"
-    stiffness = model.parameter(long_name, 3.0)
+    stiffness = model.parameter(long_name, 3.0, unit="N/m")
     model.potential("spring", stiffness**2 * (left.x - right.x) ** 2 / 2 + stiffness**3 * left.y)
     model.revolute("joint", left.at(stiffness, 1 / stiffness), right.at(0, 0))
     model.constraint("own", sympy.log(2 + left.x**2) - sympy.sqrt(2 + right.y**2) ** 3)

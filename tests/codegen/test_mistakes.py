@@ -106,7 +106,7 @@ def machine_and_words() -> dict[str, Any]:
         "math": math,
         "np": np,
         "pin": model.revolute("pin", model.ground.at(0, 0), a.at(1, 0)),
-        "k": model.parameter("k", 5.0),
+        "k": model.parameter("k", 5.0, unit="N/m"),
         "other": Model("other").body("a", 1.0, 1.0),
         "S": sympy.Symbol("unknown", real=True),
         "nan": math.nan,

@@ -197,18 +197,6 @@ def test_every_way_in_tells_them_apart() -> None:
         assert "counts" in line
 
 
-def test_a_parameter_needs_the_dimension_alone() -> None:
-    """N m stands for N m/rad; a factor that is written, or no unit, is the modeller's own."""
-    model = Model("fits")
-    wheel = model.body("wheel", mass=1.0 * model.parameter("width", 2.0, "m"), inertia=1.0)
-    k, c = model.parameter("k", 3.0, "N m"), model.parameter("c", 3.0, "N m/rpm")
-    mu, rest = model.parameter("mu", "20 %"), model.parameter("rest", 0.2)
-    hub = model.revolute("hub", model.ground.at(0, 0), wheel.at(0, 0))
-    model.torsion_spring("coil", model.ground, wheel, k, free_angle=rest, damping=c)
-    model.friction("rub", hub, mu, creep=model.parameter("f", 3.0, "1/s"), radius=0.1)
-    assert model.problems == ()
-
-
 @pytest.mark.parametrize(
     ("text", "unit", "word"),
     [

@@ -54,7 +54,7 @@ class ClearanceJoint(Effect):
     creep: sympy.Expr | None = quantity("m/s", "positive", binds="positive", word="creep speed")
     damping: sympy.Expr = quantity("s/m", "nonnegative", binds="nonnegative")
     coefficient: sympy.Expr = quantity(
-        "1", "nonnegative", binds="nonnegative", word="coefficient of friction"
+        "", "nonnegative", binds="nonnegative", word="coefficient of friction"
     )
     radius: sympy.Expr = quantity("m", "nonnegative", binds="nonnegative")
 

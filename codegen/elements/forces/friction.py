@@ -94,10 +94,10 @@ class DryFriction(Coulomb):
         "N", "nonnegative", binds="nonnegative", word="normal force", advice=", as it presses"
     )
     coefficient: sympy.Expr = quantity(
-        "1", "nonnegative", binds="nonnegative", word="coefficient of friction"
+        "", "nonnegative", binds="nonnegative", word="coefficient of friction"
     )
     on: Bodies
-    static: sympy.Expr | None = quantity("1", binds="positive", default=None)
+    static: sympy.Expr | None = quantity("", binds="positive", default=None)
     creep: sympy.Expr | None = quantity(
         "m/s", "positive", binds="positive", default=None, word="creep speed"
     )
@@ -164,7 +164,7 @@ class DryFriction(Coulomb):
 
 def coefficient_unit(law: Any) -> str:
     """Of a coefficient, m where it is the arm of a torque."""
-    return "m" if getattr(law.joint, "friction_arm", "") == "arm" else "1"
+    return "m" if getattr(law.joint, "friction_arm", "") == "arm" else ""
 
 
 def not_rubbing(law: "JointFriction", advice: str) -> str:
