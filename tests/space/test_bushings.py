@@ -201,10 +201,6 @@ MISTAKES: dict[str, tuple[Callable[[Any, Any, Any], Any], str]] = {
         lambda m, a, b: m.bushing("B", a, b, ("5 N/mm", 1, 1, "3 N/mm", 1, 1), at=(0, 0, 0)),
         "stiffness of bushing 'B': 3 newton / millimeter has the dimension",
     ),
-    "unit of a parameter": (
-        lambda m, a, b: m.bushing("B", a, b, np.diag([m.parameter("k", 3.0, "N/m")] * 6)),
-        "stiffness of bushing 'B': parameter 'k' is in N/m, but N m/rad is needed; correct its",
-    ),
     "nothing": (
         lambda m, a, b: m.bushing("B", a, b, at=(0, 0, 0)),
         "bushing in space 'B': stiffness and damping are all 0; give at least one.",
