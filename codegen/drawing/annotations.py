@@ -34,7 +34,7 @@ from codegen.drawing.plane_geometry import (
     unit,
 )  # fmt: skip
 from codegen.drawing.shapes import ContactSide, Place, SpacePlace
-from codegen.drawing.space_shapes import Push, Wrench
+from codegen.drawing.space_shapes import Push, SpaceDrive, Wrench
 from codegen.drawing.styles import Stroke
 
 LARGEST = 0.32  # layout: length of the largest arrow to scale, in typical lengths
@@ -104,6 +104,9 @@ def _exerted(
     match symbol.shape:
         case Push(at, x, y, z, turns):
             yield "torque" if turns else "force", at.body, at, vector(x, y, z), ""
+        case SpaceDrive(at, x, y, z, turns):
+            value = np.asarray(exerted("torque", "force", "fx", "fy", "fz"))[..., None]
+            yield "torque" if turns else "reaction", at.body, at, value * vector(x, y, z), ""
         case Wrench(by, at):
             name = picture.bodies[by].name
             for style, letter in (("reaction", "f"), ("torque", "t")):

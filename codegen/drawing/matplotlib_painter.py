@@ -181,20 +181,20 @@ class PictureArtist:
         """Colours and lines of strokes, for Matplotlib."""
         both = [(STYLES[stroke.style], stroke.body) for stroke in strokes]
         return {
-            "facecolors": [self._shade(color_of(style.fill, body)) for style, body in both],
+            "facecolors": [self._shade(color_of(s.fill, body), s.opacity) for s, body in both],
             "edgecolors": [self._shade(color_of(style.line, body)) for style, body in both],
             "linewidths": [style.width for style, _ in both],
             "linestyles": [style.dashes for style, _ in both],
         }
 
-    def _shade(self, color: str) -> Any:
+    def _shade(self, color: str, opacity: float = 1.0) -> Any:
         """The colour, or its mixture with the background; "none" for the empty one."""
         from matplotlib.colors import to_rgb
 
         if not color:
             return "none"
         shades = np.array([to_rgb(color), to_rgb(LIGHT["background"])])
-        return tuple(np.array([self.strength, 1 - self.strength]) @ shades)
+        return (*(np.array([self.strength, 1 - self.strength]) @ shades), opacity)
 
     def update(self, picture: Picture) -> None:
         """Move the strokes to the poses of a picture with the same shapes."""

@@ -2,7 +2,7 @@
 
 A solid is a unit form that a matrix carries into the frame of its body: a ball of radius 1, a
 cylinder of radius 1 along z from -1 to 1, or a box from -1 to 1. The page draws them as they are,
-figures their outlines.
+figures their outlines; a plate is a box that hides nothing.
 """
 
 from collections.abc import Iterator
@@ -22,6 +22,7 @@ PLATE = (0.055, 0.007)  # layout: half width and half height of the plate of a g
 LINKS = 6.0  # layout: bodies in a typical length of a chain
 STEM = 0.05  # layout: height of a ground mark
 SLEEVE = 0.028  # layout: half length of the sleeve of a hinge
+ROOM = 1.5  # layout: of the plate of a joint round the places that it holds, in half blocks
 LARGEST, SMALLEST = 0.2, 0.012  # layout: half sizes of a body that follow from its inertia
 BALL, DISC = (5 / 3) ** 0.5, (4 / 3) ** 0.5  # formula: radii, in half sides of a box of as much J
 SPOKE = 0.035  # layout: half width of the spoke of a disc, in its radii
@@ -29,7 +30,7 @@ EQUAL = 0.02  # accuracy: of half sizes of a body that is drawn round
 
 
 class Solid(NamedTuple):
-    """A "ball", "cylinder", "box" or "mesh" of a body, and the matrix (3, 4) that places it."""
+    """A "ball", "cylinder", "box", "plate" or "mesh" of a body, and its matrix, (3, 4)."""
 
     form: str
     body: int
@@ -61,6 +62,7 @@ _CORNERS = {
     "cylinder": np.concatenate([_RING - _ABOVE, _RING + _ABOVE]),
     "box": np.stack(np.meshgrid([-1.0, 1], [-1.0, 1], [-1.0, 1]), axis=-1).reshape(-1, 3),
 }
+_CORNERS["plate"] = _CORNERS["box"]
 
 
 def solids(picture: SpacePicture) -> list[Solid]:
@@ -243,7 +245,9 @@ class _Maker:
     def _form(self, element: str, joint: SpaceJoint, pin: float) -> Iterator[Solid]:
         i, j, at, block = joint.i, joint.j, _point(joint.i), BLOCK[0] * self.size
         h = np.zeros(3) if joint.axis is None else _point(joint.axis)
-        first, last = self._travel(joint) if joint.slides else (0.0, 0.0)
+        axes = axes_along(h) if joint.axis else np.eye(3)
+        low, high = self._travel(joint, axes)
+        first, last = (low[2], high[2]) if joint.slides else (0.0, 0.0)
         inner = self.first.within(self.first.along(joint.axis), j.body) if joint.axis else h
         sleeve = SLEEVE * self.size
         match joint.form:
@@ -260,8 +264,9 @@ class _Maker:
                 if not self.meshes[j.body]:
                     yield box(j.body, _point(j), axes_along(inner), halves)
             case "plate":
-                halves = [3 * block, 3 * block, 0.4 * pin]
-                yield box(i.body, at, axes_along(h), halves, element)
+                middle, half = (low + high) / 2.0, (high - low) / 2.0 + ROOM * block
+                plate = box(i.body, at + axes @ [*middle[:2], 0.0], axes, [*half[:2], 0.4 * pin])
+                yield plate._replace(form="plate", element=element)
                 yield ball(j.body, _point(j), 1.7 * pin, element)
             case "cross":
                 for end, axis in ((i, joint.axis), (j, joint.axis_j)):
@@ -273,17 +278,19 @@ class _Maker:
             case _:
                 yield ball(i.body, at, 1.7 * pin, element)
 
-    def _travel(self, shape: Any) -> tuple[float, float]:
-        """Least and largest travel of place j from place i along the axis in the motion, m."""
-        away = self.motion.where(shape.j) - self.motion.where(shape.i)
-        travel = (away * self.motion.along(shape.axis)).sum(axis=-1)
-        travel = travel[np.isfinite(travel)]
-        return (float(travel.min()), float(travel.max())) if len(travel) else (0.0, 0.0)
+    def _travel(self, joint: SpaceJoint, axes: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Least and largest travel of place j from i along axes of body i, (3,), m."""
+        away = self.motion.where(joint.j) - self.motion.where(joint.i)
+        travel = self.motion.within(away, joint.i.body) @ axes
+        travel = travel[np.isfinite(travel).all(axis=1)]
+        if not len(travel):
+            travel = np.zeros((1, 3))
+        return travel.min(axis=0), travel.max(axis=0)
 
     def _ground(self, element: str, pair: Pair) -> Iterator[Solid]:
-        """A plate on a stem below each place on the ground."""
+        """A plate on a stem below each place on the ground; a plane there needs none."""
         size, up = self.size, self.picture.up
-        for place in (pair.i, pair.j):
+        for place in (pair.i, pair.j)[getattr(pair, "form", "") == "plate" :]:
             if self.first.is_ground(place.body):
                 at = _point(place)
                 foot = at - STEM * size * up

@@ -66,6 +66,18 @@ class Push(Shape):
 
 
 @dataclass(frozen=True)
+class SpaceDrive(Shape):
+    """The direction in global axes along which a driver pushes a place, or about which it turns."""
+
+    kind = "drive in space"
+    at: PointOrPlace
+    x: Number
+    y: Number
+    z: Number
+    turns: bool = False
+
+
+@dataclass(frozen=True)
 class Wrench(Shape):
     """The force and the torque of a joint on its second body, at a place, by the first."""
 

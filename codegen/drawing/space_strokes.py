@@ -33,7 +33,9 @@ def strokes_in_space(
             continue
         line = convex_hull(picture.flat(points))
         styles: tuple[str, ...] = ("edge", "inside")
-        if solid.element:  # before the bars that it holds
+        if solid.form == "plate":
+            styles = ("plate",)
+        elif solid.element:  # before the bars that it holds
             styles = ("support",) if picture.is_ground(solid.body) else ("hub",)
             depth += 2.0 * PIN * picture.size
         found.append((depth, [Stroke(s, solid.body, line, True, solid.element) for s in styles]))

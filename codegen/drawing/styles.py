@@ -82,6 +82,7 @@ class Style(NamedTuple):
     width: float  # of the line, in points
     dashes: Dashes = SOLID
     depth: int = 1  # place among the strokes of a body, the lowest at the back
+    opacity: float = 1.0  # of the inside
 
 
 # From back to front; "between" are bodies.
@@ -113,6 +114,7 @@ STYLES = {
     "center": Style("signs", "background", "ink", 0.8),
     "quadrant": Style("signs", "ink", "ink", 0.3),
     "trace": Style("signs", "", "trace", 1.0),
+    "plate": Style("signs", "hatching", "joint", 0.6, opacity=0.3),
 }
 for _name in ("hatch", "rail", "support"):  # the ground before a body that would hide it
     STYLES[f"bracket-{_name}"] = STYLES[_name]._replace(layer="joints", line="joint")

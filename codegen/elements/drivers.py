@@ -1,5 +1,6 @@
 """Drivers: constraints that prescribe a motion in time (Haug, section 3.5)."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import sympy
@@ -7,15 +8,17 @@ import sympy
 from codegen.declare.body import Bodies, Body, Point
 from codegen.declare.element import ConjugateReaction, Constraint, I, J, Statement, label
 from codegen.declare.element_fields import Axis, Condition, Conditions, direction, quantity
-from codegen.declare.space_body import SpacePoint
+from codegen.declare.space_body import SpaceBody, SpacePoint
 from codegen.declare.space_frame import I as IN_SPACE_I
 from codegen.declare.space_frame import J as IN_SPACE_J
 from codegen.declare.symbols import Coordinate, Letter, kinds, t
 from codegen.drawing import shapes
+from codegen.drawing.space_shapes import SpaceDrive
 from codegen.elements.joints.guides import ALONG, bind_axis
 from codegen.elements.joints.points import DIFFERENCE, LEFT_SIDE, SPAN, letter_unit
 from codegen.elements.registry import element
 from codegen.elements.space.joints import SPAN as SPAN_IN_SPACE
+from codegen.elements.space.joints import JointWithAxis
 
 # safety: (1e-90 m)² is below the rounding of any distance. It keeps d / |d| and its derivative from
 # 0 / 0 if a guess puts both points in one place: the Jacobian is 0 there, like that of dᵀ d.
@@ -49,6 +52,12 @@ def _drive(
     return (shapes.Drive(i, at, letter == "phi", ux, uy),)
 
 
+def pushed_along(at: SpacePoint, letter: str) -> SpaceDrive:
+    """The direction of a force on a point along a global axis."""
+    x, y, z = (float(letter == axis) for axis in "xyz")
+    return SpaceDrive(at, x, y, z)
+
+
 @element(driver=True)
 class Motion(Driver):
     """A coordinate, or any expression of coordinates, follows a law of the time.
@@ -65,6 +74,7 @@ class Motion(Driver):
     driven: sympy.Expr = quantity()
     law: sympy.Expr = quantity(lambda of: getattr(of.driven, "unit", ""))
     on: Bodies
+    joints: Mapping[str, Constraint]
 
     def statement(self) -> Statement:
         """One equation; for a single coordinate the reaction is a force or torque on its body."""
@@ -75,9 +85,16 @@ class Motion(Driver):
         return Statement((self.driven - self.law,), (row,), reaction)
 
     def shapes(self) -> shapes.Shapes:
-        """An arrow on the body whose coordinate is driven, straight or round."""
-        body = next((b for b in self.on if self.driven in (b.x, b.y, b.phi)), None)
-        return () if body is None else _drive(None, body, self.driven.letter)
+        """An arrow at the joint or the body whose coordinate is driven; of expressions none."""
+        if not isinstance(self.driven, Coordinate):
+            return ()
+        letter, joint = self.driven.letter, self.joints.get(self.driven.owner)
+        if isinstance(joint, JointWithAxis):
+            return (joint.drive(letter),)
+        body = next((b for b in self.on if self.driven in (*b.position, b.phi)), None)
+        if isinstance(body, SpaceBody):
+            return (pushed_along(body.at(0, 0, 0), letter),)
+        return () if body is None else _drive(None, body, letter)
 
     def problems(self) -> list[str]:
         """The law must be one of time alone, twice differentiable, and something must be driven."""

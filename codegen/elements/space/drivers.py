@@ -8,7 +8,8 @@ from codegen.declare.element import ConjugateReaction, Statement, label
 from codegen.declare.element_fields import quantity
 from codegen.declare.space_body import SpacePoint
 from codegen.declare.space_frame import J
-from codegen.elements.drivers import Driver
+from codegen.drawing.shapes import Mark, Shapes
+from codegen.elements.drivers import Driver, pushed_along
 from codegen.elements.registry import element
 
 
@@ -31,6 +32,10 @@ class PointDriverInSpace(Driver):
         phi = (J.point["xyz".index(self.letter)] - self.law,)
         reaction = ConjugateReaction.along(self.letter)
         return Statement(phi, (self.letter,), reaction, J.bind(self.point))
+
+    def shapes(self) -> Shapes:
+        """The point, and the direction of the force."""
+        return Mark(self.point), pushed_along(self.point, self.letter)
 
     def problems(self) -> list[str]:
         """The law is one of time, and the ground stays where it is."""

@@ -30,7 +30,7 @@ from codegen.declare.space_body import SpacePoint, Three
 from codegen.declare.space_frame import I, J
 from codegen.declare.symbols import coordinate, given
 from codegen.drawing.shapes import Rod, Shapes
-from codegen.drawing.space_shapes import SpaceJoint
+from codegen.drawing.space_shapes import SpaceDrive, SpaceJoint
 from codegen.elements.joints.guides import Screw
 from codegen.elements.registry import element
 from codegen.errors import ModelError
@@ -133,6 +133,11 @@ class JointWithAxis(JointInSpace):
         """f, g and h of body i; f and h of body j."""
         f, g, h, f_j, h_j = self.axes
         return {"f": f, "g": g, "h": h}, {"f": f_j, "h": h_j}
+
+    def drive(self, letter: str) -> SpaceDrive:
+        """The direction of what a driver of its angle or its slide exerts on body j."""
+        x, y, z = self.i.body.A * sympy.Matrix(self.axes[2])
+        return SpaceDrive(self.j, x, y, z, letter == "angle")
 
     def statement(self) -> Statement:
         """The equations of its class, and those of what it counts."""

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 _VALUES = 600_000  # layout: numbers of a run in a page, some 2 MB
-_VALUES_IN_SPACE = 300_000  # layout: the same beside three.js, so that a page stays below 1.5 MB
+_VALUES_IN_SPACE = 290_000  # layout: the same beside three.js, so that a page stays below 1.5 MB
 RATE = 60  # layout: frames a second of the run's own time
 TURN = 0.15  # accuracy: rad between instants; a straight path between them errs by 0.3 % of an arm
 _MAX_FAST = 20_000  # layout: instants of a run whose bodies turn fast
@@ -96,6 +96,7 @@ class Animation:
                 "series": series, "groups": groups, "missing": missing,
                 "driven": self._results[number].analysis in _DRIVEN,
                 **machine_data(machine, unit, exerted(run), marks),
+                **({"notUnique": self._results[number].not_unique} if is_in_space(run) else {}),
             })  # fmt: skip
         has_curves = any(len(result.t) > 1 for result in self._results)
         words = " ".join(dict.fromkeys(map(about, shown)))
@@ -254,8 +255,10 @@ def animated(result: "Result") -> "Result":
     """
     span = float(np.ptp(result.t)) if len(result.t) else 0.0
     known = result.description
-    # About so many numbers a page has of an instant: motion twice, reactions, powers.
+    # About so many numbers a page has of an instant: motion twice, reactions, powers; in space also
+    # the components of what drivers exert.
     columns = 4 * len(known.coordinates) + len(known.reactions) + len(known.powers) + 4
+    columns += 3 * len(known.drivers) if is_in_space(result) else 0
     room = (_VALUES_IN_SPACE if is_in_space(result) else _VALUES) / columns
     fewest = int(min(room, _SAMPLING.least)) if is_in_space(result) else _SAMPLING.least
     most = int(np.clip(room, fewest, _SAMPLING.most))

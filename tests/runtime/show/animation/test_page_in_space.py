@@ -275,6 +275,55 @@ def test_a_body_has_the_form_that_is_given(page: Any, tmp_path: Path) -> None:
     shown.close()
 
 
+def test_motors_have_arrows_planes_are_sheer_and_open_reactions_are_noted(
+    page: Any, tmp_path: Path
+) -> None:
+    model = Model("stool", space=True, gravity=(0, 0, -9.81))
+    stool = model.body("stool", 4.0, (0.1, 0.1, 0.15), at=(0, 0, 0.4))
+    for k, (x, y) in enumerate([(0.3, 0.3), (-0.3, 0.3), (-0.3, -0.3), (0.3, -0.3)], 1):
+        model.point_in_plane(f"foot_{k}", model.ground, stool.at(x, y, -0.4), axis=(0, 0, 1))
+    arm = model.body("arm", 2.0, (0.1, 0.1, 0.1), at=(0.5, 0, 0.6))
+    hinge = model.revolute("hinge", stool, arm, at=(0.2, 0, 0.6), axis=(0, 1, 0))
+    model.rotation_driver("motor", hinge, 0.3)
+    model.point_driver("along", stool, "x", 0.0)
+    model.point_driver("across", stool, "y", 0.0)
+    model.driver("turn", stool.e3, 0.0)
+    model.scene("s", ["gravity"], ["motor", "along", "across", "turn"])
+    run = load(model, folder=tmp_path).inverse_dynamics(0.2)
+    assert run.not_unique == ("foot_1", "foot_2", "foot_3", "foot_4")
+    run.animate(file=tmp_path / "stool.html")
+    shown = page.context.new_page()
+    shown.goto((tmp_path / "stool.html").as_uri())
+    shown.wait_for_selector(".player[data-ready=all]")
+    note = str(shown.locator("figcaption").text_content())
+    feet = ", ".join(run.not_unique)
+    assert note == f"Reactions of {feet} are not unique; one choice of them is given."
+    looks = shown.evaluate(
+        "player.stages[0].solids.meshes.map(({ material, userData }) => "
+        "[userData.element ?? '', material.transparent, material.opacity])"
+    )
+    sheer = [(element, opacity) for element, transparent, opacity in looks if transparent]
+    assert sheer == [(foot, pytest.approx(0.35)) for foot in run.not_unique]
+    assert {opacity for _, transparent, opacity in looks if not transparent} == {1}
+    arrow = shown.locator('.arrows g[data-element="motor"]')
+    told = str(arrow.locator("text.torque").text_content())
+    torque = run.reaction("motor", "torque")[0]
+    assert torque == pytest.approx(-2.0 * 9.81 * 0.3 * np.cos(0.3))  # turns the arm up, about -y
+    assert told == f"motor on arm: {-torque:.3f} N m"
+    numbers = str(arrow.locator("path.torque").get_attribute("d"))
+    x0, y0, x1, y1 = [float(x) for x in re.findall(r"[-\d.]+", numbers)[:4]]
+    foot = shown.evaluate("player.camera.toScreen({ x: 0.2, y: 0, z: 0.6 })")
+    np.testing.assert_allclose([x0, y0], [foot["x"], foot["y"]], atol=0.01)
+    seen = axes(shown)[:2] @ [0, -1, 0]
+    drawn = np.array([x1 - x0, y0 - y1])
+    np.testing.assert_allclose(drawn / np.hypot(*drawn), seen / np.hypot(*seen), atol=0.02)
+    shown.keyboard.press("Shift+Z")  # from below, with the planes before the legs
+    assert axes(shown)[2, 2] == pytest.approx(-1.0)
+    shown.mouse.click(*screen(shown, "{ body: 1, x: 0.24, y: 0.24, z: -0.32 }"))
+    assert shown.locator("#element").input_value() == "stool"
+    shown.close()
+
+
 def test_an_array_that_comes_twice_stands_once() -> None:
     values = np.sqrt(np.arange(1000.0))
     once, twice = (page_data.block({"a": [values.copy() for _ in range(k)]}) for k in (1, 2))

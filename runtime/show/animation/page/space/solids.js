@@ -5,13 +5,16 @@ const COILS = 8;
 const ROD = 0.35; // radius of a rod, in half widths of a spring
 const SHARP = 0.55; // rad between triangles at whose edge a mesh is not smooth
 const PALE = 0.22; // share of a body's fill in its colour
+const SHEER = 0.35; // opacity of plates, which bodies are behind
 
 /** Unit forms: radius 1, along z from -1 to 1. */
 function formsOf() {
+  const box = new globalThis.THREE.BoxGeometry(2, 2, 2);
   return {
     ball: new globalThis.THREE.SphereGeometry(1, 20, 12),
     cylinder: new globalThis.THREE.CylinderGeometry(1, 1, 2, 24).rotateX(Math.PI / 2),
-    box: new globalThis.THREE.BoxGeometry(2, 2, 2),
+    box,
+    plate: box,
   };
 }
 
@@ -33,7 +36,7 @@ export function buildSolids(scene) {
     const { form, body, matrix, element } = solid;
     const ground = scene.bodies[body].fixed;
     const color = ground ? "ground" : element ? "joint" : scene.number(body);
-    const mesh = add(bodies[body], forms[form] ?? geometryOf(solid), color, { element, body });
+    const mesh = add(bodies[body], forms[form] ?? geometryOf(solid), color, { element, body, sheer: form === "plate" });
     mesh.matrixAutoUpdate = false;
     if (matrix) mesh.matrix.set(...matrix, 0, 0, 0, 1);
   }
@@ -106,19 +109,22 @@ function placeLink(scene, link, group) {
 /** A function that gives all meshes the colours of the style sheet, and what is chosen its own. */
 function painter(scene, meshes) {
   const materials = new Map();
-  const material = (name) => {
-    if (!materials.has(name)) materials.set(name, new globalThis.THREE.MeshLambertMaterial());
-    return materials.get(name);
+  const material = (name, sheer) => {
+    const key = sheer ? `sheer ${name}` : name;
+    const look = sheer && { transparent: true, opacity: SHEER, depthWrite: false };
+    if (!materials.has(key)) materials.set(key, new globalThis.THREE.MeshLambertMaterial({ ...look, userData: { name } }));
+    return materials.get(key);
   };
   return (chosen) => {
     const style = getComputedStyle(document.documentElement);
     const color = (name) => new globalThis.THREE.Color(style.getPropertyValue(`--${name}`).trim());
     for (const mesh of meshes) {
-      const { color: name, element, body } = mesh.userData;
+      const { color: name, element, body, sheer } = mesh.userData;
       const owner = element || scene.bodies[body]?.name;
-      mesh.material = material(chosen && owner === chosen ? "accent" : name);
+      mesh.material = material(chosen && owner === chosen ? "accent" : name, sheer);
     }
-    for (const [name, one] of materials) {
+    for (const one of materials.values()) {
+      const { name } = one.userData;
       if (typeof name === "number") one.color = color(`line-${name}`).lerp(color(`fill-${name}`), PALE);
       else one.color = { ground: () => color("hatching").lerp(color("background"), 0.4),
         joint: () => color("joint").lerp(color("background"), 0.45) }[name]?.() ?? color(name);

@@ -15,6 +15,7 @@ const DEEP = 100; // machine's sizes that the view reaches before and behind
 const TRIAD = 26; // px, length of the global axes in the corner
 const COARSE = 0.5; // pixels of a picture in motion without a card, of those at rest with one, along a side
 const FINEST = 2; // pixels of a screen that are drawn, of each px along a side
+const NAMED = 6; // elements that a note has by name
 const REST = 250; // ms after which a picture rests; without a card it has more pixels then, for smooth edges
 
 /** Whether a card draws WebGL; for a processor each pixel takes its time. */
@@ -22,6 +23,16 @@ function hasCard() {
   const gl = document.createElement("canvas").getContext("webgl2");
   const known = gl?.getExtension("WEBGL_debug_renderer_info");
   return !known || !/swiftshader|llvmpipe|software|basic render/i.test(gl.getParameter(known.UNMASKED_RENDERER_WEBGL));
+}
+
+/** Adds a sentence to the caption of a figure. */
+function note(figure, text) {
+  const caption = figure.querySelector("figcaption");
+  const line = document.createElement("span");
+  line.style.cssText = "display: block; max-width: 34ch; margin-left: auto; text-align: right; font-weight: 400; color: var(--muted);";
+  line.textContent = text;
+  caption.append(line);
+  caption.hidden = false;
 }
 
 /** A run within its figure; `choose(element)` is called for what is clicked on. */
@@ -38,6 +49,11 @@ export class Stage {
       place: { value: (at) => camera.toScreen(scene.place(at)) },
       u: { get: () => scene.u * camera.scale },
     });
+    const open = scene.run.notUnique;
+    if (open.length) {
+      const more = open.length > NAMED ? ` and ${open.length - NAMED} more` : "";
+      note(figure, `Reactions of ${open.slice(0, NAMED).join(", ")}${more} are not unique; one choice of them is given.`);
+    }
     this.flashes = drawFlashes(flat);
     this.arrows = drawArrows(scene);
     this.names = drawNames(scene);
@@ -74,9 +90,7 @@ export class Stage {
       this.root.add(this.solids.root, new globalThis.THREE.AmbientLight(0xffffff, 1.7), this.light, this.light.target);
       return renderer;
     } catch {
-      const caption = figure.querySelector("figcaption");
-      caption.textContent = `${caption.textContent} No solids: this browser has no WebGL.`.trim();
-      caption.hidden = false;
+      note(figure, "No solids: this browser has no WebGL.");
       return null;
     }
   }
@@ -95,7 +109,8 @@ export class Stage {
     if (this.renderer) {
       const ray = new globalThis.THREE.Raycaster();
       ray.setFromCamera(new globalThis.THREE.Vector2((2 * at.x) / box.width - 1, 1 - (2 * at.y) / box.height), this.view);
-      hit = ray.intersectObject(this.solids.root).find(({ object }) => object.visible)?.object.userData;
+      const hits = ray.intersectObject(this.solids.root).filter(({ object }) => object.visible).map(({ object }) => object.userData);
+      hit = hits.find(({ sheer }) => !sheer) ?? hits[0];
       if (hit?.element) return hit.element;
     }
     const far = ({ at: place }) => {
