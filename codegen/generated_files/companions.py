@@ -115,10 +115,10 @@ def _picture(lowered: Lowered, provenance: Origin, module: str) -> tuple[Program
 
 
 def _outputs(lowered: Lowered, provenance: Origin, module: str) -> tuple[Program, str]:
-    """The scene's own module again, with all of its outputs."""
+    """The scene's own module again, with the same coordinates and all outputs."""
     scene = lowered.scene.equations.scene
     words = (DEFAULT, *(word for word in OF_ANALYSIS[scene.analysis] if word != "works"))
-    named = replace(scene.with_(outputs=words), name=scene.name)
+    named = replace(scene.with_(outputs=words), name=scene.name, counted=scene.counted)
     whole = lower(derive(cast(Model, scene.owner), named), lowered.shared)
     return whole.program, module_text(whole, provenance, module)
 

@@ -107,7 +107,7 @@ def scene_seeking(model: Model, scene: Scene, unknown: Sequence[str]) -> Scene:
     ]
     if problems:
         raise SceneError(problems)
-    outputs = [*((DEFAULT,) if scene.outputs is None else scene.outputs)]
+    outputs = [*((DEFAULT,) if scene.outputs is None else scene.outputs), *scene.counted]
     outputs += [f"reaction({name})" for name in scene.drivers]
     for name in unknown:
         quantities = {one.quantity for one in measures_of(sought[name], bodies) or ()}

@@ -38,7 +38,7 @@ def arm_in_space() -> Model:
     inertia = (0.01, INERTIA, 0.015)
     upper = model.body("upper", 1.0, inertia, at=(0.2, 0, 0))
     fore = model.body("fore", 0.5, inertia, at=(0.6, 0, 0))
-    model.revolute("A", model.ground, upper, at=(0, 0, 0), axis=(0, -1, 0))
+    base = model.revolute("A", model.ground, upper, at=(0, 0, 0), axis=(0, -1, 0))
     elbow = model.revolute("B", upper, fore, at=(0.4, 0, 0), axis=(0, -1, 0))
     model.torque("shoulder", upper, (0, 1, 0), frame="body")
     model.torsion_spring("elbow", elbow, actuator=1.0)
@@ -49,7 +49,8 @@ def arm_in_space() -> Model:
     bent = {"upper.e0": np.cos(0.35), "upper.e2": np.sin(0.35)}
     bent |= {"fore.e0": np.cos(0.35), "fore.e2": -np.sin(0.35)}
     for name, effects in (("go", ["shoulder", "elbow"]), ("lifted", ["lift", "elbow", "askew"])):
-        model.scene(name, ["gravity", *effects], ["x", "z"], guess=bent)
+        outputs = ["default", base.angle]
+        model.scene(name, ["gravity", *effects], ["x", "z"], guess=bent, outputs=outputs)
     return model
 
 
@@ -66,6 +67,7 @@ def test_torques_of_an_arm_are_those_of_the_plane(tmp_path: Path) -> None:
     # n acts on the joint's first body
     off = run.torque("elbow") + plane.torque("elbow")
     assert np.abs(off).max() < 1e-9 * largest
+    assert np.abs(run["A.angle"] - plane.q("upper.phi")).max() < 1e-10
 
 
 def test_a_force_of_one_component_is_sought_and_others_are_refused(tmp_path: Path) -> None:
