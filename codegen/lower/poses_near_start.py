@@ -27,6 +27,7 @@ _LAST = 1e-12  # accuracy: a shorter step is the last one
 _CLOSED = 1e-9  # accuracy: of the machine's size; a larger residual leaves joints open
 _WALK = 8  # measured: poses along the motion on each side of the start
 _STRIDE = 0.4  # measured: distance of neighbouring poses, in units of the machine's size
+_NEAR = 0.75  # safety: of a stride; a position nearer to the start than that ends a cycle
 SPARSE_FROM = 300  # measured: coordinates, from which on the Jacobian is no dense matrix
 _DAMPING = 1e-12  # accuracy: δ of least norms, over the largest squared length of a row
 _REFINEMENTS = 6  # safety: steps of refinement by the residual
@@ -108,10 +109,11 @@ class Poses:
             start, jacobian = self.closed_near(self.guess, kept=kept)
         return (start, jacobian) if self.holds(start, kept) else None
 
-    def along_motion(self, kept: Array | float = 1.0) -> list[Array]:
+    def along_motion(self, kept: Array | float = 1.0, most: int = _WALK) -> list[Array]:
         """Positions that hold, (n,) each: the start, and some to which the joints let it move.
 
-        `kept`, (m,), is 1 for the constraints that must hold, as above.
+        `kept`, (m,), is 1 for the constraints that must hold, as above. There are at most so many
+        positions on each side of the start, and a cycle is gone round once: p stands for -p.
         """
         closed = self.start(kept)
         if closed is None:
@@ -120,7 +122,7 @@ class Poses:
         found, direction = [start], np.random.default_rng(0).standard_normal(len(start))
         for way in (1.0, -1.0):
             q, rows, ahead = start, jacobian, way * direction
-            for _ in range(_WALK):
+            for _ in range(most):
                 ahead = self.allowed(rows, ahead, kept)
                 length = float(np.linalg.norm(ahead))
                 if length < _CLOSED:
@@ -130,6 +132,9 @@ class Poses:
                 if not self.holds(q, kept):
                     break
                 found.append(q)
+                apart = float(np.linalg.norm((np.abs(q) - np.abs(start)) / self.unit))
+                if apart < _NEAR * _STRIDE:
+                    return found
         return found
 
     def allowed(self, jacobian: Any, ahead: Array, kept: Array | float = 1.0) -> Array:

@@ -1,5 +1,6 @@
 """A loop in space whose rows repeat each other: by every method, beside an independent solution."""
 
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -73,3 +74,45 @@ def test_outputs_afterwards_where_hinges_count(few: str, workshop: Path) -> None
     assert power[-1] > 30.0
     wanted = named.wrench("J2", "b2")
     assert_allclose(late.wrench("J2", "b2"), wanted, rtol=0.0, atol=1e-7 * np.abs(wanted).max())
+
+
+SIDES, TWISTS = (1.0, np.sqrt(2.0)), (np.pi / 6, np.pi / 4)  # m; with sin α / a = sin β / b
+
+
+def opposite(angle: float) -> float:
+    """The angle at the second hinge of Bennett's linkage, for that at the first."""
+    ratio = np.sin(sum(TWISTS) / 2) / np.sin((TWISTS[1] - TWISTS[0]) / 2)
+    return float(2 * np.arctan2(ratio * np.cos(angle / 2), np.sin(angle / 2)))
+
+
+def bennett(angle: float) -> Any:
+    """Four hinges whose axes are skew, by the frames of Denavit and Hartenberg."""
+    frame, frames = np.eye(4), [np.eye(4)]
+    turns = (angle, opposite(angle), -angle)
+    for turn, side, twist in zip(turns, (*SIDES, SIDES[0]), (*TWISTS, TWISTS[0]), strict=True):
+        c, s, e, f = np.cos(turn), np.sin(turn), np.cos(twist), np.sin(twist)
+        frame = frame @ [
+            [c, -s * e, s * f, side * c], [s, c * e, -c * f, side * s], [0, f, e, 0], [0, 0, 0, 1],
+        ]  # fmt: skip
+        frames.append(frame)
+    model: Any = Model("bennett", space=True, gravity=(0, 0, -9.81))
+    chain: list[Any] = [model.ground]
+    for k, (one, other) in enumerate(pairwise(frames), 1):
+        chain.append(model.body(f"b{k}", 1.0, (0.1, 0.1, 0.1), at=(one[:3, 3] + other[:3, 3]) / 2))
+    chain.append(model.ground)
+    for k, of in enumerate(frames):
+        model.revolute(f"J{k + 1}", chain[k], chain[k + 1], at=of[:3, 3], axis=of[:3, 2])
+    model.rotation_driver("drive", model.joints["J1"], 2 * np.pi * t)
+    model.scene("turn", [], ["drive"], outputs=["default", model.joints["J4"].angle])
+    return model
+
+
+@pytest.mark.parametrize("degrees", [30, 60, 100])
+def test_rows_that_are_chosen_hold_for_a_whole_turn(degrees: float, workshop: Path) -> None:
+    """Of rows that are good for 1 rad about the drawing some are dependent after half a turn."""
+    start = np.radians(degrees)
+    run = load(bennett(start), folder=workshop).kinematics(1.0, 101, progress=False)
+    assert run.outcome is Outcome.OK
+    assert run.stats["singular_crossings"] == 0
+    turned = [opposite(start) - opposite(start + 2 * np.pi * time) for time in run.t]
+    assert_allclose(np.exp(1j * run["J4.angle"]), np.exp(1j * np.array(turned)), atol=1e-9)
