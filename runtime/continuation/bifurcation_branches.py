@@ -84,8 +84,9 @@ class RankDeficiency:
         base = preferred / scale
         base = base - self.inverse @ (self.matrix @ base - nu)
         growth = self.left.T @ self.gamma(base * scale)  # from rest, too, branches lead
-        speed = max(float(np.abs(base).max()), float(np.abs(growth).max()) ** 0.5, 1e-300)
-        if float(np.abs(self.left.T @ nu).max()) > SOLVED * speed:
+        speed = max(float(np.abs(base).max()), float(np.abs(growth).max()) ** 0.5)
+        at_rest = speed**2 == 0.0  # where no motion is told from another
+        if at_rest or float(np.abs(self.left.T @ nu).max()) > SOLVED * speed:
             return []
 
         def velocity(c: FloatArray) -> FloatArray:

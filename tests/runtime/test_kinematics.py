@@ -1,18 +1,23 @@
 """Driven motion against closed forms; branches, lock-up, singular crossings, refusals."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 
+import codegen
+from codegen import Model
 from codegen.errors import AnalysisError
+from runtime import load
 from runtime.continuation import driven_motion
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
 
 FloatArray = npt.NDArray[np.float64]
 OMEGA = 2.0 * np.pi
+BODIES = ("crank", "rod", "slider")
 
 
 def _slider(t: FloatArray, rod: float = 3.5) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -134,6 +139,28 @@ def test_start_in_a_dead_centre_is_left(driven: Machine, t: list[float]) -> None
     phi = np.pi / 4 + OMEGA * np.array(t)
     np.testing.assert_allclose(moving.q("slider.x"), 4.0 * np.cos(phi), atol=1e-7)
     np.testing.assert_allclose(moving.v("slider.x"), -4.0 * OMEGA * np.sin(phi), atol=1e-6)
+
+
+@pytest.mark.parametrize("analysis", ["kinematics", "inverse_dynamics"])
+def test_a_standing_driver_leads_out_of_no_dead_centre(workshop: Path, analysis: str) -> None:
+    """Nothing moves: no velocity tells one motion from another."""
+    model = Model("standing")
+    ground, (crank, rod, slider) = model.ground, (model.body(b, 1.0, 1.0) for b in BODIES)
+    model.revolute("A", ground.at(0, 0), crank.at(0, 0))
+    model.revolute("B", crank.at(2, 0), rod.at(0, 0))
+    model.revolute("C", rod.at(2, 0), slider.at(0, 0))
+    model.translational("D", ground.at(0, 0), slider.at(0, 0), axis=(1, 0))
+    place, rate = model.parameter("place", 0.5, "rad"), model.parameter("rate", 0.0, "rad/s")
+    model.driver("drive", crank.phi, place + rate * codegen.t)
+    model.scene("s", drivers=["drive"], guess={"crank.phi": 0.5, "rod.phi": -0.5, "slider.x": 3.4})
+    dead = {"crank.phi": np.pi / 2, "rod.phi": -np.pi / 2, "rod.x": 0.0, "rod.y": 2.0}
+    run = getattr(load(model, folder=workshop), analysis)
+    words = {"parameters": {"place": np.pi / 2}, "guess": dead | {"slider.x": 0.0}}
+    told = r"singular position at t = 0 s.*free to move: rod.phi \+1.*no smooth motion"
+    with pytest.raises(AnalysisError, match=told):
+        run([0.0, 0.1], **words)
+    words["parameters"]["rate"] = 1.0
+    assert "Started in a singular position" in run([0.0, 0.1], **words).message
 
 
 def test_start_where_no_motion_leads_out(driven: Machine) -> None:
