@@ -390,7 +390,7 @@ class SceneRequests(MovingBodies, Connections, ExpressionOutputs):
     def _roles(self) -> dict[str, str]:
         """What a name that stands in the wrong list of a scene stands for."""
         always = "which takes part unless without= names it; leave it out of the list."
-        gravity = "declare it, as Model(..., gravity=(0, -9.81)) does."
+        gravity = f"declare it, as Model(..., gravity=(0, {'0, ' * self.in_space}-9.81)) does."
         return (
             {"gravity": gravity}
             | dict.fromkeys(self.bodies, f"it is a body, {always}")
