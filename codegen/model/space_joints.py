@@ -16,6 +16,7 @@ from codegen.model.space_effects import Place, SpaceEffects
 from codegen.readers.values import KindError, members, shown
 
 Ends = tuple[SpacePoint, SpacePoint]
+_OFF = 0.02  # accuracy: cosine, some 1°, that digits left out of two perpendicular axes may have
 
 
 class SpaceJoints(SpaceEffects):
@@ -84,8 +85,8 @@ class SpaceJoints(SpaceEffects):
             The axis of body `i` and that of body `j` at the drawing, in global axes; or
             ``(i.along(...), j.along(...))``.
         angle
-            Of the axes to each other, rad; if it is no right angle, the joint is the
-            revolute-revolute one of intersecting axes.
+            Of the axes to each other, rad; if it is no right angle, as axes in global numbers
+            must be without it, the joint is the revolute-revolute one of intersecting axes.
         """
         ends, where = self._ends(name, i, j, at), f"universal '{name}': axes"
         try:
@@ -93,12 +94,9 @@ class SpaceJoints(SpaceEffects):
         except KindError:
             self._note(f"{where}={shown(axes)}; give two axes.")
             pair = [(1, 0, 0), (0, 1, 0)]
-        h, h_j = (
-            symbolic(self._in_body(end.body, one, where))
-            for end, one in zip(ends, pair, strict=True)
-        )
-        cosine = self._cosine(f"universal '{name}'", angle)
-        return self._declare(joints.Universal(name, *ends, h, h_j, cosine))
+        h = [self._in_body(end.body, one, where) for end, one in zip(ends, pair, strict=True)]
+        cosine = self._cosine(f"universal '{name}'", angle, ends, pair, h)
+        return self._declare(joints.Universal(name, *ends, symbolic(h[0]), symbolic(h[1]), cosine))
 
     def distance(self, name: str, i: Place, j: Place, value: Any = None) -> Constraint:  # type: ignore[override]
         """Two points keep the distance `value`, m; by default that of the drawing."""
@@ -185,12 +183,15 @@ class SpaceJoints(SpaceEffects):
             The axis of body `i` and the hinge of body `j` at the drawing, in global axes; or
             ``i.along(...)`` and ``j.along(...)``.
         angle
-            Of the two to each other, rad, by default a right angle; not 0.
+            Of the two to each other, rad, by default a right angle; not 0. Without it, axes in
+            global numbers must be perpendicular.
         """
         ends, where = self._ends(name, i, j, at), f"revolute_cylindrical '{name}'"
-        pin = symbolic(self._in_body(ends[1].body, hinge, f"{where}: hinge"))
-        cosine = self._cosine(where, angle)
-        return self._with_axis_of_i(couplers.RevoluteCylindrical, name, ends, axis, pin, cosine)
+        h = self._in_body(ends[0].body, axis, f"{where}: axis")
+        pin = self._in_body(ends[1].body, hinge, f"{where}: hinge")
+        cosine = self._cosine(where, angle, ends, (axis, hinge), (h, pin))
+        cls, along = couplers.RevoluteCylindrical, ends[0].body.along(*h)
+        return self._with_axis_of_i(cls, name, ends, along, symbolic(pin), cosine)
 
     def revolute_translational(  # type: ignore[override]
         self, name: str, i: Place, j: Place, *, at: Any = None, axis: Any, hinge: Any
@@ -307,11 +308,25 @@ class SpaceJoints(SpaceEffects):
             value = float(np.linalg.norm(self._drawn(ends[1]) - self._drawn(ends[0])))
         return self._value(value, "m", where, "positive")
 
-    def _cosine(self, where: str, angle: Any) -> sympy.Expr:
-        """Of the angle of two axes that are not parallel."""
+    def _cosine(
+        self, where: str, angle: Any, ends: Ends, pair: Sequence[Any], own: Sequence[Array]
+    ) -> sympy.Expr:
+        """Of the angle of two axes that are not parallel; global ones are drawn at a right one.
+
+        `pair` are the axes as given, `own` those in the bodies.
+        """
         cosine: sympy.Expr = sympy.cos(self._value(angle, "rad", f"{where}: angle"))
         if cosine.is_number and 1.0 - abs(float(cosine)) < SMALL:
             self._note(f"{where}: its axes are parallel; use a revolute or cylindrical joint.")
+        if cosine == 0 and not any(isinstance(one, Axis) for one in pair):
+            a, b = (rotation_of(e.body.attitude) @ h for e, h in zip(ends, own, strict=True))
+            if abs(a @ b) > _OFF:
+                bodies = " and ".join(f"'{end.body.name}'" for end in ends)
+                self._note(
+                    f"{where}: at the drawing the axes of {bodies} are "
+                    f"{np.degrees(np.arccos(np.clip(a @ b, -1.0, 1.0))):.4g}° apart, and the joint "
+                    "keeps them perpendicular. Give perpendicular axes, or angle=."
+                )
         return cosine
 
     def _with_axis_of_i(

@@ -123,6 +123,24 @@ MISTAKES: dict[str, tuple[Callable[[Any], Any], str]] = {
         lambda m: m.universal("U", m.ground, m.bodies["a"], at=(0, 0, 0), axes=X),
         "universal 'U': axes=(1, 0, 0); give two axes.",
     ),
+    "parallel axes of a cross": (
+        lambda m: m.universal("U", m.ground, m.bodies["a"], at=(0, 0, 0), axes=(Z, Z)),
+        ("universal 'U': at the drawing the axes of 'ground' and 'a' are 0° apart, and the joint "
+        "keeps them perpendicular. Give perpendicular axes, or angle=."),
+    ),
+    "axes of a cross": (
+        lambda m: m.universal(
+            "U", m.ground, m.body("b", 1.0, (1.0, 1.0, 1.0), axes=(0, 0, 0.5)),
+            at=(0, 0, 0), axes=(X, (np.sin(np.radians(-17)), np.cos(np.radians(-17)), 0)),
+        ),
+        "universal 'U': at the drawing the axes of 'ground' and 'b' are 107° apart",
+    ),
+    "axis and hinge": (
+        lambda m: m.revolute_cylindrical(
+            "R", m.ground, m.bodies["a"], at=(0, 0, 0), axis=X, hinge=(1, 1, 0)
+        ),
+        "revolute_cylindrical 'R': at the drawing the axes of 'ground' and 'a' are 45° apart",
+    ),
     "itself": (
         lambda m: m.spherical("S", m.bodies["a"].at(0, 0, 0), m.bodies["a"].at(0, 0, 1)),
         "spherical 'S' connects body 'a' with itself; give two different bodies.",
@@ -188,6 +206,29 @@ def test_mistakes_are_told(case: str, tmp_path: Path) -> None:
     with pytest.raises(ModelError) as refusal:
         build(model, out=tmp_path, compile=False)
     assert text in str(refusal.value)
+
+
+@pytest.mark.parametrize("space", [True, False])
+def test_gravity_that_is_not_declared_is_written_as_the_machine_needs_it(space: bool) -> None:
+    model = Model("machine", space=space)
+    model.scene("s", effects=["gravity"])
+    (problem,) = model.problems
+    numbers = "(0, 0, -9.81)" if space else "(0, -9.81)"
+    advice = f"declare it, as Model(..., gravity={numbers}) does."
+    assert problem == f"scene 's': no effect 'gravity'; {advice}"
+
+
+@pytest.mark.parametrize("drawn", ["rounded", "angle", "of the bodies"])
+def test_axes_of_a_cross_that_are_not_refused(drawn: str) -> None:
+    model = declared()
+    a, words = model.bodies["a"], {}
+    axes: Any = X, (0.005, 1, 0)
+    if drawn == "angle":
+        axes, words = (X, (1, 1, 0)), {"angle": np.pi / 4}
+    elif drawn == "of the bodies":
+        axes = model.ground.along(*X), a.along(1, 1, 0)  # the drawing is a guess
+    model.universal("U", model.ground, a, at=(0, 0, 0), axes=axes, **words)
+    assert not model.problems
 
 
 def test_a_stop_of_two_coordinates_is_one_problem() -> None:
