@@ -136,20 +136,22 @@ def slug(kind: str) -> str:
 
 def find_kind(name: str) -> str:
     """The kind of that name, with spaces, hyphens or underscores; ModelError if there is none."""
-    known = kinds_of_elements()
+    known = kinds_of_elements() | kinds_of_elements(space=True)
     for kind in known:
         if slug(name) == slug(kind):
             return kind
     raise ModelError(f"there is no element {shown(name)}; {nearest(name, known)}")
 
 
-def chosen_kinds(model: Model | None = None, only: str | None = None) -> dict[str, Kind]:
-    """The kinds that have pages: the library's, and a user's with an example in `model`."""
+def chosen_kinds(
+    model: Model | None = None, only: str | None = None, *, space: bool = False
+) -> dict[str, Kind]:
+    """The kinds of the plane or of space: the library's, a user's with an example in `model`."""
     elements = () if model is None else (*model.joints.values(), *model.effects.values())
     in_model = {element.kind for element in elements}
     return {
         name: kind
-        for name, kind in kinds_of_elements().items()
+        for name, kind in kinds_of_elements(space=space).items()
         if only in (None, name) and (not kind.is_user_defined or name in in_model or only == name)
     }
 
@@ -183,24 +185,32 @@ def index(kinds: dict[str, Kind]) -> str:
 
 def space_page() -> str:
     """The library's kinds in space, role by role: docstrings, and equations in vectors."""
-    known = [kind for kind in kinds_of_elements(space=True).values() if not kind.is_user_defined]
+    known = chosen_kinds(space=True).values()
     sections = [IN_SPACE]
     for role, heading in ROLES.items():
         chosen = (kind for kind in known if kind.role == role)
         sections.append(f"## {heading}")
         for kind in chosen:
-            sections += [f"### {kind.name.removesuffix(' in space')}", kind.text]
-            sections += [block(kind.element.phi)] if hasattr(kind.element, "phi") else []
+            sections += [f"### {kind.name.removesuffix(' in space')}", *_in_space(kind)]
     return "\n\n".join((*sections, WRITTEN)) + "\n"
+
+
+def _in_space(kind: Kind) -> Iterator[str]:
+    """The docstring of a kind in space, and its equations in vectors."""
+    yield kind.text
+    if hasattr(kind.element, "phi"):
+        yield block(kind.element.phi)
 
 
 def page(kind: str, model: Model | None = None) -> str:
     """The reference page of a kind, Markdown with LaTeX between dollars.
 
     A kind is one of `kinds_of_elements`; the library's have examples, others need a `model` with an
-    element of it. Raises ModelError if there is no such kind, no example of it, or the example is
-    not sound.
+    element of it. Kinds in space have their section of `space_page`. Raises ModelError if there is
+    no such kind, no example of it, or the example is not sound.
     """
+    if in_space := kinds_of_elements(space=True).get(kind):
+        return "\n\n".join((f"# {kind.capitalize()}", *_in_space(in_space))) + "\n"
     example = example_of(kind, model)
     registered = kinds_of_elements()[kind]
     sections = (

@@ -66,9 +66,8 @@ def one_of(*names: str) -> Callable[[str], list[str]]:
 
 
 def kinds(incomplete: str) -> list[str]:
-    """Kinds of elements of the library in the plane, with hyphens between their words."""
-    found = (LIBRARY / "codegen" / "elements").rglob("*.py")
-    files = [path for path in found if path.parent.name != "space"]
+    """Kinds of elements of the library, with hyphens between their words."""
+    files = (LIBRARY / "codegen" / "elements").rglob("*.py")
     names = {kind for path in files for kind in _KIND.findall(path.read_text(encoding="utf-8"))}
     return one_of(*(kind.replace(" ", "-") for kind in names))(incomplete)
 

@@ -139,10 +139,11 @@ def elements(
 
         from codegen.explain.terminal_table import PAPER
 
-        table = Table("kind", "role", "summary")
-        for name, registered in chosen_kinds(declared).items():
-            table.add_row(name, registered.role, Text(registered.summary))
-        Console(width=PAPER, highlight=False).print(table)
+        for title, space in ((None, False), ("In space, with equations of their own", True)):
+            table = Table("kind", "role", "summary", title=title, title_justify="left")
+            for name, registered in chosen_kinds(declared, space=space).items():
+                table.add_row(name, registered.role, Text(registered.summary))
+            Console(width=PAPER, highlight=False).print(table)
 
 
 @command("linkwright check four_bar.py", "linkwright check four_bar.py --scene driven --json")

@@ -219,6 +219,16 @@ def test_the_command_hints_at_a_near_miss() -> None:
     assert "there is no element 'revolut'; did you mean 'revolute'" in done.stderr
 
 
+def test_the_command_lists_and_shows_elements_in_space(root: Path) -> None:
+    plane, _, space = run().stdout.partition("In space")
+    for kind in ("spherical", "universal", "cylindrical", "torsion spring in space"):
+        assert f" {kind} " in space
+        assert f" {kind} " not in plane
+    title, shown = run("universal").stdout.split("\n", 1)
+    assert title == "# Universal"
+    assert "### universal\n" + shown in (root / "docs/elements/in-space.md").read_text("utf-8")
+
+
 def test_the_command_shows_an_own_element(tmp_path: Path) -> None:
     file = tmp_path / "winch.py"
     file.write_text(FILE)

@@ -86,7 +86,10 @@ def completed(line: str, monkeypatch: pytest.MonkeyPatch) -> list[str]:
         ("linkwright sweep stone.py --over mass=0.06:", []),
         ("linkwright simulate stone.py --start a:", []),
         ("linkwright simulate stone.py --method r", ["radau5"]),
-        ("linkwright elements revolute-", ["revolute-revolute", "revolute-translational"]),
+        ("linkwright elements revolute-",
+         ["revolute-cylindrical", "revolute-in-space", "revolute-revolute",
+          "revolute-revolute-in-space", "revolute-spherical", "revolute-translational",
+          "revolute-translational-in-space"]),
         ("linkwright new x --kind four", ["four-bar"]),
         ("linkwright simulate stone.py --formulation ", ["cartesian", "reduced"]),
         ("linkwright simulate nothing.py --scene ", ["calm", "dark", "windy", "thrown", "high"]),
@@ -144,7 +147,8 @@ def test_a_section_behind_that_of_the_scenes_has_none(tmp_path: Path) -> None:
 
 
 def test_kinds_are_those_that_are_registered() -> None:
-    library = (name for name, kind in kinds_of_elements().items() if not kind.is_user_defined)
+    found = kinds_of_elements() | kinds_of_elements(space=True)
+    library = (name for name, kind in found.items() if not kind.is_user_defined)
     there = {name.replace(" ", "-") for name in library}
     assert set(completion.kinds("")) == there
 
