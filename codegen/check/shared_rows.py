@@ -20,7 +20,7 @@ import numpy.typing as npt
 from codegen.lower.kernels.independent_rows import SharedRows, weighing_columns
 from codegen.lower.linear.elimination_order import Row
 from codegen.lower.lowered_scene import Lowered
-from codegen.lower.poses_near_start import Poses, rest_of_rows
+from codegen.lower.poses_near_start import WALK, Poses, rest_of_rows
 from codegen.lower.scene_graph import SceneGraph
 
 Array = npt.NDArray[np.float64]
@@ -29,7 +29,7 @@ _ALIKE = 1e-3  # accuracy: smallest values that differ by less are equal, and th
 _DENSER = 2.0  # measured: ratio of smallest values, from which on columns with more entries pay
 _FIXED = 0.999  # accuracy: smallest value of plain rows that hold in every position
 _MOST = 3000  # safety: choices that are compared
-_AROUND = 60  # measured: positions on each side of the start, a turn of all bodies or more
+_AROUND = 60  # measured: positions on each side of the start in space, a turn of all bodies
 _TURNING = 0.1  # safety: of columns, from which on they are not mixed with plain rows
 
 
@@ -48,7 +48,8 @@ def shared_rows(lowered: Lowered, dependent: Sequence[int]) -> tuple[SharedRows,
     ]
     driven = {i for i, name in enumerate(scene.owners) if name in lowered.description.drivers}
     undriven = np.array([float(i not in driven) for i in range(scene.m)])
-    places = poses.along_motion(undriven, _AROUND) or [poses.guess]
+    most = _AROUND if scene.turns else WALK
+    places = poses.along_motion(undriven, most) or [poses.guess]
     columns = weighing_columns(scene, {i for rows in joints for i in rows})
     found = _chosen(scene, poses, places, joints, dependent)
     if not poses.is_sparse and _loses_direction(scene, poses, places, found, driven):

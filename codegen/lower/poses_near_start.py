@@ -25,7 +25,7 @@ Array = FloatArray
 _STEPS = 25  # safety: of Gauss-Newton, in which no coordinate moves by more than its reach
 _LAST = 1e-12  # accuracy: a shorter step is the last one
 _CLOSED = 1e-9  # accuracy: of the machine's size; a larger residual leaves joints open
-_WALK = 8  # measured: poses along the motion on each side of the start
+WALK = 8  # measured: poses along the motion on each side of the start
 _STRIDE = 0.4  # measured: distance of neighbouring poses, in units of the machine's size
 _NEAR = 0.75  # safety: of a stride; a position nearer to the start than that ends a cycle
 SPARSE_FROM = 300  # measured: coordinates, from which on the Jacobian is no dense matrix
@@ -109,7 +109,7 @@ class Poses:
             start, jacobian = self.closed_near(self.guess, kept=kept)
         return (start, jacobian) if self.holds(start, kept) else None
 
-    def along_motion(self, kept: Array | float = 1.0, most: int = _WALK) -> list[Array]:
+    def along_motion(self, kept: Array | float = 1.0, most: int = WALK) -> list[Array]:
         """Positions that hold, (n,) each: the start, and some to which the joints let it move.
 
         `kept`, (m,), is 1 for the constraints that must hold, as above. There are at most so many
