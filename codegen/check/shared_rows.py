@@ -53,7 +53,7 @@ def shared_rows(lowered: Lowered, dependent: Sequence[int]) -> tuple[SharedRows,
     columns = weighing_columns(scene, {i for rows in joints for i in rows})
     found = _chosen(scene, poses, places, joints, dependent)
     if not poses.is_sparse and _loses_direction(scene, poses, places, found, driven):
-        loops = tuple(sorted({*columns} - own - driven))
+        loops = tuple(sorted({*columns} - own - driven - scene.norms.keys()))
         together = _chosen(scene, poses, places, [loops], dependent)
         if not _loses_direction(scene, poses, places, together, driven):
             return together
