@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from codegen.elements.registry import element
     from codegen.generated_files.generated_file import BuildReport
     from codegen.model import Model
+    from codegen.model.space_model import SpaceModel
     from codegen.picture_at_start import declared_picture as declared_picture
     from codegen.symbolic_equations import SceneEquations
     from codegen.symbolic_equations import scene_equations as scene_equations
@@ -58,6 +59,7 @@ __version__ = "0.1.0"
 
 _ROOMS = {
     "codegen.model": ("Model",),
+    "codegen.model.space_model": ("SpaceModel",),
     "codegen.declare.body": ("Body", "Curve", "Point"),
     "codegen.declare.cam_profiles": ("CamProfile", "flat_faced_cam", "roller_cam"),
     "codegen.declare.motion_program": ("MotionProgram", "fourier_series", "motion_program"),
@@ -85,8 +87,8 @@ __all__ += ["Constraint", "Coordinate", "Curve", "Effect", "GeneratedFileError",
 __all__ += ["J", "JointReaction", "LinkwrightError", "Model", "ModelError", "ModelFileError"]
 __all__ += ["SPEED", "NoAttributeError", "Outline", "ParameterError", "Point", "RedundancyError"]
 __all__ += ["Measure", "Scene", "SceneEquations", "SceneError", "Statement", "SupersededError"]
-__all__ += ["SpaceBody", "SpaceFrame", "SpacePoint", "TableWarning", "UnknownNameError"]
-__all__ += ["WrenchReaction"]
+__all__ += ["SpaceBody", "SpaceFrame", "SpaceModel", "SpacePoint", "TableWarning"]
+__all__ += ["UnknownNameError", "WrenchReaction"]
 __all__ += ["__version__", "alpha", "bar", "build", "coordinate", "disc", "element", "given"]
 __all__ += ["polygon", "read_outline", "rectangle", "t"]
 __all__ += ["CamProfile", "MotionProgram", "flat_faced_cam", "fourier_series", "motion_program"]

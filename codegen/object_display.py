@@ -19,11 +19,11 @@ def with_unit(value: float, unit: str) -> str:
     return f"{value:.6g} {unit}".removesuffix(" 1")
 
 
-def listed(names: Iterable[str], empty: str = "none") -> str:
+def listed(names: Iterable[str], empty: str = "none", most: int = LISTED) -> str:
     """Names in a line, the first ones of many."""
     every = list(names)
-    rest = len(every) - LISTED
-    return (", ".join(every[:LISTED]) or empty) + (f" and {rest} more" if rest > 0 else "")
+    rest = len(every) - most
+    return (", ".join(every[:most]) or empty) + (f" and {rest} more" if rest > 0 else "")
 
 
 def html_of(text: str, *tables: str) -> str:

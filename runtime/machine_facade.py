@@ -357,7 +357,8 @@ class Machine(MachineStates):
             search may change start values of the scene. Parameter values by name. Both in SI units
             or as texts, ``"45 mm"``.
         t, progress
-            Drivers and forces are frozen at the instant `t` in s; whether a terminal shows a bar.
+            Drivers and forces that depend on t have their values at this instant, s, by default at
+            t = 0; whether a terminal shows a bar.
 
         Returns
         -------

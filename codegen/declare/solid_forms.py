@@ -1,5 +1,6 @@
 """Forms that draw bodies in space: extruded outlines, and meshes out of files."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -71,13 +72,25 @@ def read_mesh(file: str | Path, unit: str, at: Any = ORIGIN, axes: Any = PLANE) 
     except UnitError as misfit:
         raise ModelError(f"{path.name}, unit: {misfit}") from misfit
     reader = module_of_extra("trimesh", "meshes", "Meshes need trimesh")
+    text = path.read_bytes() if path.suffix.lower() == ".obj" else b""
+    if zero := re.search(rb"(?m)^f\b[^\n#]*[ \t]0(?!\d)", text):  # trimesh takes the last vertex
+        raise ModelError(
+            f"{path.name}, line {len(text[: zero.end()].splitlines())}: a face has the vertex 0; "
+            "OBJ files count vertices from 1. Export the file anew."
+        )
     try:
-        read = reader.load_mesh(path, file_type=path.suffix.lower()[1:])
+        read = reader.load_mesh(path, file_type=path.suffix.lower()[1:], process=False)
         vertices, faces = np.asarray(read.vertices, float), np.asarray(read.faces)
     except Exception as error:  # the readers of trimesh raise many kinds
         # what is neither binary nor UTF-8 it hands to another package, which need not be there
         reason = "it is damaged, or cut off" if isinstance(error, ImportError) else error
         raise ModelError(f"{path.name} cannot be read: {reason}") from error
+    lost = np.isin(faces, np.flatnonzero(~np.isfinite(vertices).all(axis=1))).any(axis=-1)
+    if lost.any():
+        raise ModelError(
+            f"{path.name}: triangle {lost.argmax() + 1} has a corner that is not finite. Export "
+            "the file anew."
+        )
     corners, numbers = np.unique(scale * vertices, axis=0, return_inverse=True)
     faces = numbers.ravel()[faces] if len(faces) else faces
     a, b, c = faces.T if len(faces) else (faces,) * 3

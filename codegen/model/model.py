@@ -70,7 +70,7 @@ class Model(Values, Scenes, Forces, Contacts):
         gravities: `Model.gravity`.
     space
         Whether the machine moves in space: bodies have Euler parameters, and points, axes and
-        forces three numbers. The methods have the same names; `codegen.model.space_model` has them.
+        forces three numbers. The methods have the same names; ``help(lw.SpaceModel)`` shows them.
 
     Examples
     --------
@@ -96,7 +96,7 @@ class Model(Values, Scenes, Forces, Contacts):
         self, name: str, gravity: tuple[Any, ...] | None = None, *, space: bool = False
     ) -> None:
         super().__init__(name)
-        if space is not self.in_space:
+        if space is not False and space is not self.in_space:
             self._note(f"model '{name}': space={shown(space)}; write True or False.")
         if gravity is not None:
             self.gravity("gravity", gravity)

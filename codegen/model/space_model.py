@@ -34,7 +34,7 @@ SPINS = ("omega_x", "omega_y", "omega_z")
 
 
 class SpaceModel(SpaceJoints):
-    """A machine in space."""
+    """A machine in space; ``Model(name, space=True)`` is one."""
 
     in_space = True
     _ground_class = SpaceGround
@@ -229,7 +229,7 @@ REFUSED = (
 
 
 def _refusal(word: str) -> Callable[..., NoReturn]:
-    def refuse(self: SpaceModel, *_: Any, **__: Any) -> NoReturn:
+    def refuse(self: Any, *_: Any, **__: Any) -> NoReturn:
         raise ModelError(
             f"model.{word}: model '{self.name}' is in space, and this is there for machines in the "
             f"plane alone so far. In space there are {ELEMENTS}."

@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from codegen.object_display import listed, without_rounding
+from codegen.object_display import LISTED, listed, without_rounding
 from codegen.readers.calls import readable_class
 from runtime.core.kinds import SLIDING, Direction
 from runtime.mechanism.module_tables import Description
@@ -21,6 +21,7 @@ Kind = Literal["crossing", "lock-up", "start", "unclear"]
 
 _SINGULAR = (Direction.CROSSED, Direction.LOCKED)
 _SMALL = 0.02  # layout: part of the largest share, below which a text leaves a share out
+_MOVED = 4  # layout: shares that a text has where bodies in space turn
 
 
 @readable_class
@@ -156,11 +157,18 @@ class SingularPosition(NamedTuple):
 
 
 def shares(direction: Mapping[str, float]) -> str:
-    """The larger shares of a direction as text, the largest first."""
-    largest = max(map(abs, direction.values()), default=0.0)
-    shown = sorted(direction.items(), key=lambda item: -abs(item[1]))
-    large = (f"{name} {part:+.3g}" for name, part in shown if abs(part) > _SMALL * largest)
-    return listed(large, "")
+    """The larger shares of a direction as text, the largest first; of Euler parameters an angle."""
+    found: dict[str, float] = {}
+    for name, part in direction.items():
+        body, _, letter = name.rpartition(".")
+        turns = letter in ("e0", "e1", "e2", "e3")
+        word = f"orientation of {body}" if turns else name
+        found[word] = float(np.hypot(2.0 * part, found.get(word, 0.0))) if turns else part
+    largest = max(map(abs, found.values()), default=0.0)
+    shown = sorted(found.items(), key=lambda item: -abs(item[1]))
+    large = [(name, part) for name, part in shown if abs(part) > _SMALL * largest]
+    texts = (f"{name} {part:{'+' * (name in direction)}.3g}" for name, part in large)
+    return listed(texts, "", LISTED if len(found) == len(direction) else _MOVED)
 
 
 _CONTACTS = ("contact", "stop", "clearance joint", "gear with backlash", "elastic belt")

@@ -31,6 +31,7 @@ from runtime.validation.scene_support import require_no_rigid, require_no_sticki
 METHODS = "energy", "settling"
 _TURNED = 25.0  # safety: rad after which nothing holds a machine whose forces do not balance
 _FAR = 1e6  # safety: scaled length after which nothing does
+_LATER = (0.123, 1.37, 17.3, 1e3)  # safety: s; where forces that depend on t are others
 _ELSEWHERE = (
     "Give the table points further out, beyond=, or another start: guess=, or a guess in the scene."
 )
@@ -168,6 +169,7 @@ def equilibrium(
         message += 'may be nearer: method="settling".'
     if mirrored := mirror_note(description, position.q):
         message += f" {mirrored}"
+    message += _time_note(statics, position.q)
     result = Equilibrium(
         description, samples, p, judged=judged, statics=statics, position=position,
         outcome=Outcome.OK if position.balanced and at_rest else Outcome.UNBALANCED,
@@ -219,6 +221,15 @@ def _with_states(
         still[:] = first
         states = find_rest(statics, start)
     return statics.position(states.q, position.iterations), states
+
+
+def _time_note(statics: StaticEquations, q: FloatArray) -> str:
+    """A sentence where forces depend on t; empty otherwise."""
+    equations, t = statics.equations, statics.t
+    state = q, equations.at_rest(t, q), equations.rest_modes(t, q)
+    if len({equations.forces(t + later, *state).tobytes() for later in (0.0, *_LATER)}) == 1:
+        return ""
+    return f" Forces depend on t, and are those of t = {t:g} s; give t= for another instant."
 
 
 def _states_message(equations: Equations, states: StatesAtRest, position: RestPosition) -> str:

@@ -94,3 +94,14 @@ def test_the_kernels_of_the_help_are_those_that_there_are() -> None:
     assert set(written) == set(KERNELS)
     for name, arguments in written.items():
         assert len(arguments.split(", ")) == len(SIGNATURES[name].args), name
+
+
+def test_the_class_of_space_shows_its_methods() -> None:
+    text = pydoc.render_doc(lw.SpaceModel.universal, renderer=pydoc.plaintext)
+    assert "universal(self, name" in text
+    assert "help(lw.SpaceModel)" in str(lw.Model.__doc__)
+    assert type(lw.SpaceModel("m")) is type(lw.Model("m", space=True))
+    assert not lw.SpaceModel("m").problems
+    wrong: Any = 1
+    told = ("model 'm': space=1; write True or False.",)
+    assert lw.SpaceModel("m", space=wrong).problems == told

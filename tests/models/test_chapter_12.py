@@ -37,6 +37,18 @@ def test_the_slider_crank_moves_in_closed_form_and_needs_the_torque_of_its_energ
     assert_allclose(run.reaction("drive", "torque"), asked, rtol=0.0, atol=1e-11)
 
 
+def test_a_lock_up_names_bodies_that_turn_and_no_euler_parameters() -> None:
+    run = load("space/spatial_slider_crank", "kinematics").kinematics(
+        1.0, parameters={"length": 0.23}, progress=False
+    )
+    assert run.outcome is Outcome.LOCKED
+    (locked,) = run.singular
+    (free,) = locked.null_directions
+    turn = 2 * np.linalg.norm([free[f"rod.e{k}"] for k in range(4)])
+    told = f"could move by slider.x +1, orientation of rod {turn:.3g}, rod.x +0.5. (Vel"
+    assert told in run.message
+
+
 def test_without_the_rod_the_slider_alone_loads_the_crank() -> None:
     machine = load("space/spatial_slider_crank", "inverse_dynamics_without_rod")
     run = machine.inverse_dynamics(INSTANTS, progress=False)

@@ -38,7 +38,6 @@ def test_every_public_name_is_documented() -> None:
 RETURNED = {
     "AssemblyModes": "runtime.assembly.assembly_modes",
     "MotionLimits": "runtime.continuation.motion_limits",
-    "SpaceModel": "codegen.model.space_model",
 }
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from codegen import Model
+from codegen import Model, t
 from codegen.errors import AnalysisError, InputError
 from runtime import load
 from runtime.core.outcomes import Outcome
@@ -151,6 +151,22 @@ def test_force_that_nothing_balances(make: Callable[..., Machine]) -> None:
     assert "No equilibrium found" in rest.message
     assert "nothing holds the machine in bar.phi, which ran away" in rest.message
     assert len(rest.t) == 1
+
+
+@METHODS
+def test_forces_that_depend_on_t_are_those_of_an_instant(workshop: Path, method: str) -> None:
+    model = Model("pushed", gravity=(0, -9.81))
+    bob = model.body("bob", 1.0, 0.1)
+    model.revolute("A", model.ground.at(0, 0), bob.at(-1, 0))
+    model.force("push", bob.at(0, 0), 9.81 * t, 0)
+    model.scene("push", ["gravity", "push"], guess={"bob.phi": -1.2})
+    model.scene("hang", ["gravity"], guess={"bob.phi": -1.2})
+    pushed, hanging = (load(model, scene=name, folder=workshop) for name in ("push", "hang"))
+    for instant, angle in ((0.0, -np.pi / 2), (1.0, -np.pi / 4)):
+        rest = pushed.equilibrium(method, t=instant, progress=False)
+        assert rest["bob.phi"] == pytest.approx(angle, abs=1e-9)
+        assert f"Forces depend on t, and are those of t = {instant:g} s; give t=" in rest.message
+    assert "depend on t" not in hanging.equilibrium(method, progress=False).message
 
 
 def test_nothing_to_balance(driven: Machine) -> None:

@@ -132,6 +132,17 @@ def test_a_body_swings_back_from_half_a_turn(workshop: Path, method: str, side: 
     assert_allclose(result.energy(), STIFFNESS * np.pi**2 / 2, rtol=1e-8)
 
 
+def test_a_run_may_end_before_half_a_turn(swinging: Any) -> None:
+    """Beyond it the deflection has the opposite sign; no event says so."""
+    fast = {"start": {"body.omega_z": 60.0, "body.vx": 0.0}, "progress": False}
+    deflection = swinging.simulate(0.1, 101, **fast)["rubber.deflection.rz"]
+    assert np.abs(np.diff(deflection)).max() > 6.0
+    until = {"half turn": ("rubber.deflection.rz", ">", 3.1)}
+    ended = swinging.simulate(0.1, 101, until=until, **fast)
+    assert ended.ended_by == "half turn"
+    assert ended["rubber.deflection.rz"][-1] == pytest.approx(3.1, abs=1e-6)
+
+
 def test_a_body_that_tumbles_on_a_bushing_keeps_its_energy(swinging: Any) -> None:
     """About a changing axis, by large angles; along the axes it swings with √(k/m)."""
     start = {"body.vx": 0.3, "body.omega_x": 9.0, "body.omega_y": -9.0, "body.omega_z": 4.0}

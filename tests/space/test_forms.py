@@ -213,6 +213,30 @@ def test_meshes_have_triangles_within_reach(tmp_path: Path) -> None:
         read_mesh(file, "mm")
 
 
+@pytest.mark.parametrize("corner", ["0", "0/1/1"])
+def test_a_face_without_a_vertex_is_refused_by_its_line(corner: str, tmp_path: Path) -> None:
+    """It is the last vertex to trimesh; normals and lines that are no faces may have a 0."""
+    pytest.importorskip("trimesh")
+    file = write(tmp_path / "part.obj")
+    text = file.read_text()
+    file.write_text(f"vn 0 0 0\n{text}f 1 2 {corner}\n")
+    with pytest.raises(ModelError, match=r"part\.obj, line 10: a face has the vertex 0; OBJ"):
+        read_mesh(file, "mm")
+    file.write_text(f"vn 0 0 0\n{text}")
+    assert is_closed(read_mesh(file, "mm"))
+
+
+@pytest.mark.parametrize("number", ["nan", "inf"])
+@pytest.mark.parametrize("kind", ["stl", "obj"])
+def test_a_corner_that_is_not_finite_is_refused(kind: str, number: str, tmp_path: Path) -> None:
+    """Else its triangles would be left out."""
+    pytest.importorskip("trimesh")
+    file = write(tmp_path / f"part.{kind}")
+    file.write_text(file.read_text().replace("40", number))
+    with pytest.raises(ModelError, match=rf"part\.{kind}: triangle \d has a corner that is not"):
+        read_mesh(file, "mm")
+
+
 def test_a_file_that_is_cut_off_is_no_package_that_is_missing(tmp_path: Path) -> None:
     pytest.importorskip("trimesh")
     half = tmp_path / "half.stl"
