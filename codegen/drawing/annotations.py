@@ -75,8 +75,8 @@ class Load(NamedTuple):
         return "N m" if self.style == "torque" else "N"
 
 
-def loads(picture: Picture, series: Series) -> Iterator[Load]:
-    """All that act: applied forces and torques, and what else `series` has."""
+def loads(picture: Picture, series: Series | None) -> Iterator[Load]:
+    """All that act: applied forces and torques, and what else `series` has; None: no springs."""
     for symbol in picture.symbols:
         for style, body, where, value, by in _exerted(picture, symbol, series):
             on = f"{f', {by}' if by else ''} on {picture.bodies[body].name}"
@@ -90,13 +90,14 @@ def loads(picture: Picture, series: Series) -> Iterator[Load]:
 
 
 def _exerted(
-    picture: Picture, symbol: Symbol, series: Series
+    picture: Picture, symbol: Symbol, series: Series | None
 ) -> Iterator[tuple[str, int, Any, Any, str]]:
     """Style, body, place, value, 0 where the series lack it, and exerting body of each load."""
 
-    def exerted(*words: str) -> Any:
+    def exerted(*words: str, own: Any = None) -> Any:
         names = (f"{symbol.element}.{word}" for word in words)
-        return next((series[name] for name in names if name in series), 0.0)
+        known = None if series is None else next((series[n] for n in names if n in series), own)
+        return 0.0 if known is None else known
 
     def vector(*components: Any) -> Any:
         return np.stack(np.broadcast_arrays(*components), axis=-1)
@@ -104,18 +105,18 @@ def _exerted(
     match symbol.shape:
         case Push(at, x, y, z, turns):
             yield "torque" if turns else "force", at.body, at, vector(x, y, z), ""
-        case SpaceDrive(at, x, y, z, turns):
-            value = np.asarray(exerted("torque", "force", "fx", "fy", "fz"))[..., None]
-            yield "torque" if turns else "reaction", at.body, at, value * vector(x, y, z), ""
+        case SpaceDrive(at, x, y, z, turns, own):
+            value = np.asarray(exerted("torque", "force", "fx", "fy", "fz", own=own))[..., None]
+            yield "torque" if turns else "force", at.body, at, value * vector(x, y, z), ""
         case Wrench(by, at):
             name = picture.bodies[by].name
             for style, letter in (("reaction", "f"), ("torque", "t")):
                 parts = (exerted(f"{letter}{c}") for c in "xyz")
                 yield style, at.body, at, vector(*parts), name
-        case shapes.Spring(i, j, pushes=pushes) if isinstance(picture, SpacePicture):
+        case shapes.Spring(i, j, pushes=pushes, exerts=own) if isinstance(picture, SpacePicture):
             away = picture.where(j) - picture.where(i)
             away = away / np.maximum(np.linalg.norm(away, axis=-1, keepdims=True), 1e-300)
-            pull = (-1.0 if pushes else 1.0) * np.asarray(exerted("force"))[..., None] * away
+            pull = np.asarray(exerted("force", own=own))[..., None] * (-away if pushes else away)
             for place, value in ((i, pull), (j, -pull)):
                 if not picture.is_ground(place.body):
                     yield "force", place.body, place, value, ""
@@ -138,7 +139,7 @@ def _exerted(
             yield "torque", j.body, j, exerted("torque"), ""
         case shapes.Drive(i, j) as drive:
             way = drive.along if i is None else picture.turned(drive.along, i.body)
-            yield "reaction", j.body, j, exerted("force", "fx", "fy") * way, ""
+            yield "force", j.body, j, exerted("force", "fx", "fy") * way, ""
         case (shapes.Spring(i, j) | shapes.Bearing(i, j)) as pair:
             away = picture.at(j) - picture.at(i)
             pull = exerted("force", "normal") * away / np.where(away == 0, 1.0, abs(away))
@@ -160,7 +161,7 @@ def _is_nearest(picture: Picture, symbol: Symbol, own: ContactSide) -> Any:
     return np.where(nearest_side(rivals) == number, 1.0, 0.0)[()]
 
 
-def acting_loads(picture: Picture, series: Series, run: Iterable[Load] = ()) -> list[Load]:
+def acting_loads(picture: Picture, series: Series | None, run: Iterable[Load] = ()) -> list[Load]:
     """What acts, is finite at an instant, and no rounding beside the largest in the run."""
     finite = [one for one in loads(picture, series) if np.isfinite(one.at * one.value).any()]
     known = [*finite, *run]

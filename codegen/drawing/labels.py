@@ -38,6 +38,7 @@ class Label(NamedTuple):
     places: Points  # (k,), m, the best first
     room: float  # that it keeps about these, m
     style: dict[str, Any]  # of its letters, for Matplotlib
+    near: float = DISTANCES[2]  # points from its room, beyond which a line leads to its place
 
 
 def labels(picture: Picture, arrows: Sequence[Arrow] = (), values: bool = False) -> list[Label]:
@@ -158,12 +159,14 @@ def _surfaces(picture: Picture) -> Iterator[Label]:
 def _loads(picture: Picture, arrows: Iterable[Arrow], values: bool) -> Iterator[Label]:
     """Names of what acts; with `values` also on which body, and its size."""
     for load, strokes in arrows:
-        is_torque = load.style == "torque"
+        in_space = isinstance(picture, SpacePicture)
+        is_torque = load.style == "torque" and not in_space
         number = f"{load.label}: {engineering(load.size, load.unit)}"
-        places = np.array([load.at]) if is_torque else strokes[0].points[[-1, 0]]  # the far end
+        places = strokes[0].points[[-1] if in_space else [-1, 0]]  # the far end; many begin at one
+        places = np.array([load.at]) if is_torque else places
         room = WIDE * ROUND_ARROW * picture.size if is_torque else 0.0
         text = number if values else load.element
-        yield Label(text, places, room, _style(LIGHT[load.style]))
+        yield Label(text, places, room, _style(LIGHT[load.style]), DISTANCES[1 if in_space else 2])
 
 
 def _gaps(picture: Picture) -> Iterator[Label]:
@@ -216,7 +219,7 @@ class Writer:
         center, place = self._spot(label, half)
         artist.set_position((center.real, center.imag))
         self.take(center, half)
-        near = half + (label.room + (DISTANCES[2] + 3) * self.point) * (1 + 1j)
+        near = half + (label.room + (label.near + 3) * self.point) * (1 + 1j)
         if not _is_within(center - place, near):
             ends, color = np.array([center, place]), label.style["color"]
             self.axes.plot(*pairs(ends).T, zorder=7, color=color, linewidth=0.5, alpha=0.6)

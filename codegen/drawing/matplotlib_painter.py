@@ -51,7 +51,7 @@ def figure(
     by the names of their series, and `run` is all that acts in the run. Raises InputError where
     Matplotlib is not installed.
     """
-    acting = annotations.acting_loads(picture, series or {}, run)
+    acting = annotations.acting_loads(picture, series, run)
     scale = annotations.force_scale(picture, acting) if forces else None
     if isinstance(picture, SpacePicture):
         if dimensions:

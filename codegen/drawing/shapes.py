@@ -94,6 +94,7 @@ class SpringLike(Pair):
     damper: bool = False
     actuator: bool = False
     pushes: bool = False  # i and j apart, or turns j, where positive; else pulls, or turns i
+    exerts: Number | None = None  # in space, where no series has it, N
 
 
 class Pin(Pair):

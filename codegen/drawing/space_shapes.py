@@ -75,6 +75,7 @@ class SpaceDrive(Shape):
     y: Number
     z: Number
     turns: bool = False
+    exerts: Number | None = None  # where no series has it, N m
 
 
 @dataclass(frozen=True)

@@ -129,6 +129,16 @@ def resampled(result: "Result", how: Sampling, besides: FloatArray | None = None
     return _sampled(result, motion, times, moved[order])
 
 
+def thinned(result: "Result", most: int) -> "Result":
+    """A result with no more than so many of its instants, the first and the last among them."""
+    count = len(result.t)
+    rows = np.linspace(0, count - 1, min(count, most)).round().astype(int)
+    found = copy(result)
+    found.samples, found._moved = result.samples.at(rows), result.instants_of_states[rows]
+    found.works = {name: work[rows] for name, work in result.works.items()}
+    return found
+
+
 def with_both_sides(result: "Result") -> "Result":
     """A result with both sides of events, and of modes that change without in driven motions."""
     motion, t, found = result._motion, result.instants_of_states, result

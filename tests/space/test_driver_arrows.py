@@ -70,7 +70,7 @@ def test_drivers_and_joint_carry_a_body_at_rest(by_hand: bool, workshop: Path) -
     found = {one.element: one for one in loads if one.element in ("waist", "lift", "twist")}
     styles = {name: (one.style, one.unit) for name, one in found.items()}
     assert styles == {
-        "waist": ("torque", "N m"), "lift": ("reaction", "N"), "twist": ("torque", "N m"),
+        "waist": ("torque", "N m"), "lift": ("force", "N"), "twist": ("torque", "N m"),
     }  # fmt: skip
     assert found["lift"].label == "lift on quill"
     turn = result.rotation("beam")

@@ -12,7 +12,7 @@ from codegen.drawing.annotations import acting_loads
 from codegen.drawing.picture import SpacePicture, turned
 from codegen.drawing.solids import Solid, half_sizes, solids
 from codegen.drawing.space_shapes import Bulk, SpaceJoint
-from codegen.drawing.space_strokes import strokes_in_space
+from codegen.drawing.space_strokes import arrows_in_space, strokes_in_space
 from codegen.errors import InputError
 from codegen.picture_at_start import declared_picture
 from models.space.bricard import bricard
@@ -20,6 +20,7 @@ from models.space.heavy_top import heavy_top
 from runtime import load
 from runtime.show.pictures import exerted, moving_picture
 from tests.space.machines import DOWN, X, Y, slider_crank
+from tests.space.test_driver_arrows import arm
 
 
 def drawn(model: Model) -> SpacePicture:
@@ -153,6 +154,33 @@ def test_nearer_strokes_are_drawn_later() -> None:
     bodies = [one.body for one in strokes_in_space(picture, solids(picture)) if one.style == "edge"]
     depth = picture.poses[:, :3] @ picture.view[2]
     assert bodies == sorted(bodies, key=lambda body: depth[body])
+
+
+def test_the_text_of_a_torque_stands_by_the_tip_of_its_arrow_or_is_led_there(
+    workshop: Path,
+) -> None:
+    result = load(arm(), folder=workshop).inverse_dynamics(0.5)
+    drawing = result.draw(0.2, forces=True)
+    (axes,) = drawing.axes
+    picture = moving_picture(result, result.at(0.2)).first
+    series = {name: now[0] for name, now in exerted(result.at(0.2)).items()}
+    tips = {
+        one.label: strokes[0].points[-1]
+        for one, strokes in arrows_in_space(picture, acting_loads(picture, series), True)
+    }
+    points = axes.transData.inverted()
+    pixel = np.ptp(points.transform([[0, 0], [1, 0]])[:, 0])
+    leads = [complex(*line.get_xydata()[1]) for line in axes.lines]
+    texts = [one for one in axes.texts if "N m" in one.get_text()]
+    assert len(texts) > 3
+    for text in texts:
+        tip, box = tips[text.get_text().rpartition(":")[0]], text.get_window_extent()
+        (left, low), (right, high) = points.transform([[box.x0, box.y0], [box.x1, box.y1]])
+        away = np.hypot(
+            max(left - tip.real, 0, tip.real - right), max(low - tip.imag, 0, tip.imag - high)
+        )
+        is_led = np.min(np.abs(np.array(leads) - tip)) < 1e-9
+        assert away < 15 * pixel or is_led
 
 
 def test_stills_have_names_arrows_and_what_is_apart(result: Any) -> None:

@@ -8,6 +8,7 @@ import sympy
 from codegen.declare.body import Bodies, Body, Loads, Point
 from codegen.declare.element import Effect, Measure, Measures, Pulls, label
 from codegen.declare.element_fields import quantity
+from codegen.declare.space_body import SpacePoint
 from codegen.declare.symbols import Coordinate, Velocity, kinds
 from codegen.drawing import shapes
 from codegen.elements.registry import element
@@ -262,7 +263,8 @@ class LineForce(SpanMeasures, Effect):
 
     def shapes(self) -> shapes.Shapes:
         """An actuator."""
-        return (shapes.Spring(self.i, self.j, elastic=False, actuator=True),)
+        exerts = self.value if isinstance(self.i, SpacePoint) else None
+        return (shapes.Spring(self.i, self.j, elastic=False, actuator=True, exerts=exerts),)
 
 
 def exertion_problems(effect: Effect, on: Body, from_: Body | None) -> list[str]:

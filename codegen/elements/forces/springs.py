@@ -7,7 +7,8 @@ import sympy
 from codegen.declare.body import Bodies, Body, Point
 from codegen.declare.element import Effect, Measure, Measures, Pulls, label
 from codegen.declare.element_fields import Conditions, quantity, sign_conditions
-from codegen.declare.symbols import SPEED
+from codegen.declare.space_body import SpacePoint
+from codegen.declare.symbols import SPEED, rate
 from codegen.drawing import shapes
 from codegen.elements import scalar_measures as measures
 from codegen.elements.registry import element
@@ -82,6 +83,12 @@ class SpringDamper(Springs):
         elastic = self.stiffness != 0 or self.preload != 0
         return elastic, self.damping != 0, self._active != 0
 
+    @property
+    def exerts(self) -> sympy.Expr:
+        """f, of coordinates and velocities."""
+        ((s, _, elastic, rest),) = self.along
+        return (elastic + rest).xreplace({SPEED: rate(s)})
+
     def measures(self, bodies: Bodies) -> Measures:
         """s, its rate, s - s0, and f."""
         ((s, _, elastic, rest),) = self.along
@@ -155,7 +162,8 @@ class Spring(measures.SpanMeasures, SpringDamper):
 
     def shapes(self) -> shapes.Shapes:
         """A spring, damper and actuator, those that there are."""
-        return (shapes.Spring(self.i, self.j, *self.present),)
+        exerts = self.exerts if isinstance(self.i, SpacePoint) else None
+        return (shapes.Spring(self.i, self.j, *self.present, exerts=exerts),)
 
 
 @element

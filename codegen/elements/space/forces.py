@@ -1,12 +1,13 @@
 """Forces in space: gravity, given forces and torques, springs and dampers of a joint's angle."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Literal, TypeVar
 
 import sympy
 
 from codegen.declare.body import Bodies, Loads
-from codegen.declare.element import Effect, Measure, Measures, label
+from codegen.declare.element import Constraint, Effect, Measure, Measures, label
 from codegen.declare.element_fields import quantity
 from codegen.declare.space_body import SpaceBody, SpacePoint
 from codegen.declare.symbols import rate
@@ -15,6 +16,7 @@ from codegen.drawing.space_shapes import Pull, Push
 from codegen.elements.forces.applied import Gravity
 from codegen.elements.forces.springs import OTHER, SpringDamper
 from codegen.elements.registry import element
+from codegen.elements.space.joints import JointWithAxis
 
 NEWTONS, TORQUES = ("N",) * 3, ("N m",) * 3
 Three = tuple[sympy.Expr, ...]
@@ -122,6 +124,7 @@ class TorsionSpringInSpace(SpringDamper):
     kind = "torsion spring in space"
     unit = "rad"
     name: str
+    joints: Mapping[str, Constraint]
     angle: sympy.Expr = quantity("rad")
     stiffness: sympy.Expr = quantity("N m/rad", "nonnegative", advice=OTHER.format("torque"))
     free_angle: sympy.Expr = quantity("rad")
@@ -137,6 +140,14 @@ class TorsionSpringInSpace(SpringDamper):
     def scalar(self) -> tuple[sympy.Expr, sympy.Expr]:
         """θ and θ0."""
         return self.angle, self.free_angle
+
+    def shapes(self) -> Shapes:
+        """Its torque on the second body of the joint: -n about the axis."""
+        joint = self.joints.get(getattr(self.angle, "owner", ""))
+        if not isinstance(joint, JointWithAxis):
+            return ()
+        drive = joint.drive("angle")
+        return (replace(drive, x=-drive.x, y=-drive.y, z=-drive.z, exerts=self.exerts),)
 
     def exerting(self, value: sympy.Expr) -> "TorsionSpringInSpace | None":
         """The same with that actuator, beside the spring and the damper; None without one."""

@@ -19,7 +19,7 @@ from codegen.files.whole_files import whole_file
 from codegen.presentation import is_movie, is_page
 from codegen.readers import arguments as readers
 from codegen.readers.calls import checked_class
-from runtime.results.motion_at_instants import Sampling, resampled
+from runtime.results.motion_at_instants import Sampling, resampled, thinned
 from runtime.show.animation.page_data import (
     NO_MACHINE,
     NO_MACHINE_IN_SPACE,
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 _VALUES = 600_000  # layout: numbers of a run in a page, some 2 MB
-_VALUES_IN_SPACE = 290_000  # layout: the same beside three.js, so that a page stays below 1.5 MB
+_VALUES_IN_SPACE = 260_000  # layout: the same beside three.js, so that a page stays below 1.5 MB
 RATE = 60  # layout: frames a second of the run's own time
 TURN = 0.15  # accuracy: rad between instants; a straight path between them errs by 0.3 % of an arm
 _MAX_FAST = 20_000  # layout: instants of a run whose bodies turn fast
@@ -256,9 +256,9 @@ def animated(result: "Result") -> "Result":
     span = float(np.ptp(result.t)) if len(result.t) else 0.0
     known = result.description
     # About so many numbers a page has of an instant: motion twice, reactions, powers; in space also
-    # the components of what drivers exert.
+    # the components of what drivers and effects exert.
     columns = 4 * len(known.coordinates) + len(known.reactions) + len(known.powers) + 4
-    columns += 3 * len(known.drivers) if is_in_space(result) else 0
+    columns += 3 * len(known.drivers) + 6 * len(known.effects) if is_in_space(result) else 0
     room = (_VALUES_IN_SPACE if is_in_space(result) else _VALUES) / columns
     fewest = int(min(room, _SAMPLING.least)) if is_in_space(result) else _SAMPLING.least
     most = int(np.clip(room, fewest, _SAMPLING.most))
@@ -267,7 +267,8 @@ def animated(result: "Result") -> "Result":
     even = resampled(result, sampling)
     limit = int(np.clip(room, most, _MAX_FAST))
     between = instants_between(even.t, turns(even), limit - len(even.t))
-    return resampled(result, sampling, between) if len(between) else even
+    found = resampled(result, sampling, between) if len(between) else even
+    return thinned(found, limit) if is_in_space(result) else found
 
 
 def turns(result: "Result") -> FloatArray:

@@ -4,6 +4,7 @@ import hashlib
 import json
 import re
 from collections.abc import Iterator
+from copy import copy
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from models.space.heavy_top import heavy_top
 from runtime import Result, animate, load
 from runtime.show.animation import animation, page_data, page_text
 from runtime.show.animation.animation import TURN, animated, turns
+from runtime.show.pictures import exerted, moving_picture
 from tests.runtime.show.animation.conftest import WIDE
 from tests.space.machines import slider_crank
 
@@ -349,6 +351,38 @@ def test_many_bodies_have_fewer_instants(run: Result, monkeypatch: pytest.Monkey
     usual = len(animated(run).t)
     monkeypatch.setattr(animation, "_VALUES_IN_SPACE", 20_000)
     assert 20 < len(animated(run).t) < 0.5 * usual
+
+
+def test_a_run_that_took_long_has_no_more_instants_than_fit(
+    run: Result, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    slow = copy(run)
+    slow.stats = {**run.stats, "integration_seconds": 1e3}
+    assert len(animated(slow).t) == len(run.t)
+    monkeypatch.setattr(animation, "_VALUES_IN_SPACE", 20_000)
+    shown = animated(slow)
+    assert 20 < len(shown.t) <= 20_000 / len(page_text.curves(run)[0])
+    assert (shown.t[0], shown.t[-1]) == (run.t[0], run.t[-1])
+    np.testing.assert_array_equal(shown.q("slider.x"), run.at(shown.t).q("slider.x"))
+
+
+def test_actuators_have_arrows_that_no_output_asks_for(tmp_path: Path) -> None:
+    model = Model("lift", space=True, gravity=(0, 0, -9.81))
+    arm = model.body("arm", 3.0, (0.1, 0.2, 0.25), at=(0.4, 0, 0))
+    hinge = model.revolute("hinge", model.ground, arm, at=(0, 0, 0), axis=(0, 1, 0))
+    model.spring("strut", model.ground.at(0.3, 0, -0.6), arm.at(0.1, 0, 0), actuator=-20.0)
+    model.torsion_spring("motor", hinge, actuator=-4.0)
+    model.scene("s", ["gravity", "strut", "motor"])
+    shown = load(model, folder=tmp_path).simulate(0.3, progress=False)
+    assert "strut.force" not in exerted(shown)
+    found = page_data.machine_data(moving_picture(shown), 1.0, exerted(shown))["arrows"]
+    values = {row["label"]: np.array(row["value"]) for row in found}
+    assert {"hinge, ground on arm", "strut on arm", "motor on arm"} <= {*values}
+    np.testing.assert_allclose(np.linalg.norm(values["strut on arm"], axis=0), 20.0, rtol=1e-4)
+    along = np.tile([[0.0], [4.0], [0.0]], len(shown.t))  # the opposite acts on the first body
+    np.testing.assert_allclose(values["motor on arm"], along, rtol=1e-4, atol=1e-4)
+    styles = {row["label"]: row["style"] for row in found}
+    assert (styles["strut on arm"], styles["motor on arm"]) == ("force", "torque")
 
 
 def test_curves_have_angular_velocities_for_rates_of_euler_parameters(run: Result) -> None:
