@@ -137,8 +137,9 @@ def _why(misfit: KindError, value: object) -> str:
     if isinstance(value, str):
         return f"; {misfit}."
     if isinstance(value, Body):
-        name, turning = value.name, f" or {value.name}.phi" if value.turns else ""
-        return f"{why}; a body is none, but its coordinates are, {name}.x, {name}.y{turning}."
+        third = "z" if hasattr(type(value), "z") else "phi" if value.turns else ""
+        names = f"{value.name}.x, {value.name}.y" + f" or {value.name}.{third}" * bool(third)
+        return f"{why}; a body is none, but its coordinates are, {names}."
     if isfunction(value):
         return f"{why}; write what it computes, an expression, in place of the function."
     return f"{why}; give one value." if isinstance(value, tuple | list) else f"{why}."

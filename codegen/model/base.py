@@ -13,7 +13,7 @@ import sympy
 
 from codegen.declare import symbols as sy
 from codegen.declare.body import Bodies, Body, Ground, Particle, Point
-from codegen.declare.element import Constraint, Effect
+from codegen.declare.element import Constraint, Effect, label
 from codegen.declare.element_fields import Condition, Quantity
 from codegen.declare.returned_values import own_coordinates
 from codegen.declare.scene import Scene
@@ -51,6 +51,11 @@ def _marked(method: Callable[..., Any]) -> Callable[..., Any]:
         return element
 
     return call
+
+
+def named(value: object) -> str:
+    """A value in a message: an element by its kind and name."""
+    return label(value) if isinstance(value, Constraint | Effect) else shown(value)
 
 
 def declares(cls: type[Any], **renamed: str) -> Callable[[Method], Method]:
@@ -289,7 +294,7 @@ class Declarations:
     def _point(self, name: str, place: Any) -> Point:
         point = Point(place, 0, 0) if isinstance(place, Body) else place
         if not isinstance(point, Point) or not isinstance(point.body, Body):
-            what = shown(place)
+            what = named(place)
             self._note(f"'{name}': {what} is neither a point nor a body; write body.at(x, y).")
             point = self.ground.at(0, 0)
         where = f"point of '{name}' on body '{point.body.name}'"
@@ -317,8 +322,8 @@ class Declarations:
         """A body, where a point means nothing."""
         if isinstance(body, Body):
             return body
-        label = f"Point of '{body.body.name}'" if isinstance(body, Point) else shown(body)
-        self._note(f"{where}: {label} is no body; give a body as a whole.")
+        what = f"Point of '{body.body.name}'" if isinstance(body, Point) else named(body)
+        self._note(f"{where}: {what} is no body; give a body as a whole.")
         return self.ground
 
     def _coordinates(self) -> tuple[sy.Coordinate, ...]:

@@ -386,9 +386,12 @@ class Contacts(Declarations):
             one = "one coordinate" if self.in_space else "a coordinate"
             more = " or a translational" if self.in_space else ", a translational or a "
             more += "" if self.in_space else "revolute-translational"
+            give = f"a revolute{more} joint itself"
+            if len(letters) > 1:
+                give = " or ".join(f"{of.name}.{letter}" for letter in letters)
             self._note(
-                f"{where}: {name} is no joint with {one}; give a revolute{more} joint itself, or "
-                "an expression of coordinates."
+                f"{where}: {name} is no joint with {one}; give {give}, or an expression of "
+                "coordinates."
             )
             return sympy.S.One, "", ()
         s = self._value(of, "", f"coordinate of {where}")

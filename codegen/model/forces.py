@@ -7,7 +7,7 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import Effect
-from codegen.declare.symbols import MASSES, Coordinate
+from codegen.declare.symbols import MASSES, Coordinate, Velocity, dotted
 from codegen.elements.forces.applied import (
     AppliedForce,
     AppliedTorque,
@@ -145,7 +145,10 @@ class Forces(Declarations):
             self._note(f"force '{name}' has no components; write {like}.")
         for coordinate, force in given.items():
             if not isinstance(coordinate, Coordinate) or coordinate.letter in MASSES:
-                self._note(f"force '{name}': {shown(coordinate)} moves no body; write body.x.")
+                moving = "body.x or joint.angle" if self.in_space else "body.x"
+                if isinstance(coordinate, Velocity):
+                    moving = dotted(coordinate.coordinate)
+                self._note(f"force '{name}': {shown(coordinate)} moves no body; write {moving}.")
                 continue
             unit = coordinate.measure.force_unit
             pairs.append((coordinate, self._read.gated(force, unit, f"force '{name}'", when)))

@@ -196,7 +196,7 @@ class SpaceModel(SpaceJoints):
             given = members(axes)
             if len(given) == 2:
                 found = attitude_of_axes(*(np.array(self._vector(x, "1", where)) for x in given))
-            elif len(given) == 3:
+            elif len(given) == 3 and not np.shape(given[0]):
                 found = attitude_of_vector(np.array(self._vector(given, "rad", where)))
             elif len(given) == 4:
                 p = np.array(self._vector(given, "1", where, 4))
@@ -205,7 +205,7 @@ class SpaceModel(SpaceJoints):
         if found is None:
             self._note(
                 f"{where} is {shown(axes)}; give two axes that are not parallel, a rotation vector "
-                "in rad, or four Euler parameters."
+                "in rad, or four Euler parameters; of a rotation matrix R give R.T[:2]."
             )
         return found or UPRIGHT
 
@@ -219,20 +219,29 @@ ELEMENTS = (
     "stop, friction, dry_friction, release, engage and draw_ground"
 )
 """What a machine in space may be declared with, in words."""
-REFUSED = (
-    *("absolute", "belt", "cam_flat_follower", "cam_follower", "clearance_joint"),
-    *("coupler", "curve_through", "elastic_belt"),
-    *("gear_with_backlash", "mass_flow", "motor", "one_way_clutch", "particle"),
-    *("point_follower", "relative", "relative_driver", "rolling_disc"),
-)
-"""Words of the plane that a machine in space does not have yet."""
+MOTOR = "generalized_force(name, {joint.angle: T}) or torsion_spring(name, joint, actuator=-T)"
+LIFT = "constraint(name, follower.slide - lift(cam.angle)) of two joints and a table, a spline"
+REFUSED = {
+    **dict.fromkeys(("clearance_joint", "coupler", "curve_through", "elastic_belt"), ""),
+    **dict.fromkeys(("gear_with_backlash", "mass_flow", "one_way_clutch", "particle"), ""),
+    **dict.fromkeys(("point_follower", "rolling_disc"), ""),
+    **dict.fromkeys(("absolute", "relative"), "constraint"),
+    "belt": "gear(name, i, j, ratio=R_i / R_j) of two joints",
+    "cam_follower": LIFT,
+    "cam_flat_follower": LIFT,
+    "motor": MOTOR,
+    "relative_driver": "driver, rotation_driver or translation_driver",
+}
+"""Words of the plane that a machine in space does not have yet, and what to use in their place."""
 
 
-def _refusal(word: str) -> Callable[..., NoReturn]:
+def _refusal(word: str, instead: str) -> Callable[..., NoReturn]:
+    instead = f"Use model.{instead}." if instead else f"In space there are {ELEMENTS}."
+
     def refuse(self: Any, *_: Any, **__: Any) -> NoReturn:
         raise ModelError(
             f"model.{word}: model '{self.name}' is in space, and this is there for machines in the "
-            f"plane alone so far. In space there are {ELEMENTS}."
+            f"plane alone so far. {instead}"
         )
 
     refuse.__name__, refuse.__doc__ = word, "Refused for a machine in space."
@@ -240,5 +249,5 @@ def _refusal(word: str) -> Callable[..., NoReturn]:
 
 
 SpaceModel._unlisted = (*SpaceModel._unlisted, *REFUSED)
-for _word in REFUSED:
-    setattr(SpaceModel, _word, _refusal(_word))
+for _word, _instead in REFUSED.items():
+    setattr(SpaceModel, _word, _refusal(_word, _instead))

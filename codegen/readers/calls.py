@@ -19,7 +19,8 @@ from codegen.readers.values import one_line, shown
 
 Class = TypeVar("Class", bound=type[Any])
 Function = TypeVar("Function", bound=Callable[..., Any])
-_LIKE = {"start": "guess"}  # a word → the one that a callable takes which does not take it
+# a word → the one, or none, that a callable takes which does not take it
+_LIKE = {"start": "guess", "from_": ""}
 _SHOWN = 40  # layout: characters of an argument in a message
 
 

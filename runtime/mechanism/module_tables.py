@@ -138,18 +138,26 @@ class Description:
 
     def suggest_output(self, output: str) -> str:
         """Sentence on an output that the scene does not ask for, and how to have it."""
-        named = ("default",) if self.outputs is None else self.outputs
-        outputs = ", ".join(map(repr, [*named, output]))
+        outputs = self.outputs_with(output)
         return (
             f"{self.title} does not compute {output}, which its outputs do not name; declare the "
-            f"scene with outputs=[{outputs}], or load scene.with_(outputs=[{outputs}])."
+            f"scene with outputs={outputs}, or load scene.with_(outputs={outputs})."
         )
+
+    def outputs_with(self, output: str) -> str:
+        """The list of the scene's outputs and one more; `...` stands for an expression."""
+        named = ("default",) if self.outputs is None else self.outputs
+        kept = [f"{row.name!r}: ..." for row in self.reactions if not row.component]
+        expressions = [f"{{{', '.join(kept)}}}"] if kept else []
+        return f"[{', '.join([*map(repr, named), *expressions, repr(output)])}]"
 
     def suggest_counting(self, name: str) -> str:
         """The same of a coordinate or rate that a joint may count; empty of any other name."""
         owner, _, letter = name.rpartition(".")
-        kinds = {row.element: row.kind for row in self.constraints}
-        return self.suggest_output(name) if letter in COUNTED.get(kinds.get(owner, ""), ()) else ""
+        letter = {"phi": "angle", "omega": "rate"}.get(letter, letter)  # as in the plane
+        kinds, asked = {row.element: row.kind for row in self.constraints}, f"{owner}.{letter}"
+        may = letter in COUNTED.get(kinds.get(owner, ""), ()) and asked not in self.startable
+        return self.suggest_output(asked) if may else ""
 
     @cached_property
     def tracked(self) -> tuple[str, ...]:

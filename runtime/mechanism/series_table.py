@@ -207,7 +207,7 @@ class SeriesTable:
         if word in (*QUANTITIES, "power", "work") and name in about.left_out.names:
             return (UnnamedOutputError if name in self._quiet else InputError)(
                 f"{self.title}: '{name}' does not act in this scene; load "
-                f"scene.with_({name!r}, outputs=['default', '{output}({name})'])."
+                f"scene.with_({name!r}, outputs={about.outputs_with(f'{output}({name})')})."
             )
         known = [call[1] for call in self._by_call if call[0] == word]
         names = dict.fromkeys(one for one in (*known, *able.get(output, ())) if one != name)

@@ -97,6 +97,7 @@ def test_the_page_of_words_has_what_people_type_and_calls_that_are_there() -> No
     words = {word for row in re.findall(r"^\| (.*?) \|", text, re.M) for word in row.split(", ")}
     typed = {"hydraulic cylinder", "Stephenson", "torque-speed curve", "optimise", "spring", "cam"}
     typed |= {"ball joint", "rod end", "tie rod", "bevel gear", "differential", "RSSR"}
+    typed |= {"torque between two bodies", "viscous friction"}
     typed |= {"gear ratio", "four-bar", "damper", "hinge", "pin", "slider", "motor", "limit stop"}
     assert not (typed | {"dead centre", "animation", "unit", "CSV", "Excel"}) - words
     for found in re.finditer(r"`(model|m|r)\.(\w+)(?:\(([^`…]*)\))?", text):

@@ -1,5 +1,6 @@
 """Angles and slides of joints: counted through turns, driven, sprung, started from, and refused."""
 
+import re
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -268,6 +269,30 @@ def test_a_coordinate_that_a_scene_does_not_count(workshop: Path) -> None:
     for letter, call in calls:
         with pytest.raises((InputError, AssemblyError), match=how.format(letter, letter)):
             call()
+
+
+def test_advice_on_outputs_keeps_those_of_the_scene(workshop: Path) -> None:
+    model = with_crank()
+    height = {"height": model.bodies["crank"].z, "way": model.bodies["slider"].x}
+    model.scene("seen", effects=["gravity"], outputs=["energy", height])
+    model.scene("few", effects=["gravity"], outputs=["default", "A.angle"])
+    machine, few = (load(model, scene, folder=workshop) for scene in ("seen", "few"))
+    result = machine.simulate(0.01, 2, progress=False)
+    for name, counted in (("A.rate", "rate"), ("A.phi", "angle"), ("A.omega", "rate")):
+        kept = f"outputs=['energy', {{'height': ..., 'way': ...}}, 'A.{counted}']"
+        with pytest.raises(
+            InputError, match=re.escape(f"does not compute A.{counted}, ")
+        ) as refusal:
+            result[name]
+        assert str(refusal.value).count(kept) == 2
+    with pytest.raises(InputError, match="'motor' does not act in this scene") as refusal:
+        result.power("motor")
+    kept = "outputs=['energy', {'height': ..., 'way': ...}, 'power(motor)']"
+    assert f"scene.with_('motor', {kept})" in str(refusal.value)
+    with pytest.raises(InputError, match=r"There is no series 'A\.phi'"):
+        few.simulate(0.01, 2, progress=False)["A.phi"]
+    model.scene("pasted", outputs=["energy", {"height": ...}])
+    assert "output 'height': Ellipsis is neither a number nor an expression" in model.problems[-1]
 
 
 MISTAKES: dict[str, tuple[Callable[[Any], Any], str]] = {

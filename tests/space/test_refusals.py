@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from scipy.interpolate import CubicSpline
 
 from codegen import Model, t
 from codegen.driver import build
@@ -25,11 +27,54 @@ def declared(**words: Any) -> Any:
     return model
 
 
+def hinge(model: Any) -> Any:
+    return model.revolute("A", model.ground, model.bodies["a"], at=(0, 0, 0), axis=Z)
+
+
 @pytest.mark.parametrize("word", REFUSED)
 def test_elements_of_the_plane_are_refused_by_name(word: str) -> None:
     with pytest.raises(ModelError) as refusal:
         getattr(declared(), word)("it")
-    assert f"model.{word}: model 'machine' is in space" in str(refusal.value)
+    said = str(refusal.value)
+    assert f"model.{word}: model 'machine' is in space" in said
+    assert (f"In space there are {ELEMENTS}." in said) == (not REFUSED[word])
+    assert REFUSED[word] in said
+
+
+def test_what_stands_in_for_a_motor_does(workshop: Path) -> None:
+    model = declared()
+    A, b = hinge(model), model.body("b", 1.0, (1.0, 1.0, 1.0))
+    B = model.revolute("B", model.ground, b, at=(0, 0, 0), axis=Z)
+    model.generalized_force("one", {A.angle: 50 - 5 * A.rate})
+    model.torsion_spring("two", B, actuator=-(50 - 5 * B.rate))
+    model.scene("s", ["one", "two"], outputs=["default", A.rate, B.rate])
+    run = load(model, folder=workshop).simulate(0.5, 6, progress=False)
+    for name, inertia in (("A", 2.5), ("B", 1.0)):
+        assert_allclose(run[f"{name}.rate"], 10 * (1 - np.exp(-5 / inertia * run.t)), rtol=1e-5)
+
+
+def test_what_stands_in_for_a_belt_and_for_a_cam_does(workshop: Path) -> None:
+    model = declared()
+    A, b, c = hinge(model), *(model.body(name, 1.0, (1.0, 1.0, 1.0)) for name in "bc")
+    B = model.revolute("B", model.ground, b, at=(0, 0, 0), axis=Z)
+    C = model.translational("C", model.ground, c, at=(0, 0, 0), axis=Z)
+    x, y = [0, 1, 2, 3, 4], [0, 0.1, 0.2, 0.1, 0]
+    lift = model.table("lift", x, y, units=("rad", "m"), kind="spline")
+    model.gear("belt", A, B, ratio=0.1 / 0.4)
+    model.constraint("cam", C.slide - lift(A.angle))
+    model.rotation_driver("drive", A, 4 * t)
+    model.scene("s", [], ["drive"], outputs=["default", B.angle, C.slide])
+    run = load(model, folder=workshop).kinematics(1.0, 11, progress=False)
+    assert_allclose(run["B.angle"], run.t, atol=1e-9)
+    assert_allclose(run["C.slide"], CubicSpline(x, y)(4 * run.t), atol=1e-9)
+
+
+def test_a_word_that_space_lacks_is_not_taken_for_another() -> None:
+    model = declared()
+    with pytest.raises(ModelError) as refusal:
+        model.torque("T", model.bodies["a"], (1, 0, 0), from_=model.ground)
+    assert "unexpected keyword argument 'from_'" in str(refusal.value)
+    assert "did you mean" not in str(refusal.value)
 
 
 def test_every_word_of_the_plane_is_refused_or_means_something_in_space() -> None:
@@ -78,6 +123,12 @@ MISTAKES: dict[str, tuple[Callable[[Any], Any], str]] = {
     "parallel axes": (
         lambda m: m.body("b", 1.0, (1.0, 1.0, 1.0), axes=(X, X)),
         "body 'b': axes is ((1, 0, 0), (1, 0, 0)); give two axes that are not parallel, a",
+    ),
+    "rotation matrix": (
+        lambda m: m.body("b", 1.0, (1.0, 1.0, 1.0), axes=np.eye(3)),
+        ("body 'b': axes is array([[1., 0., 0.], [0., 1., 0.], [0., 0., 1.]]); give two axes that "
+        "are not parallel, a rotation vector in rad, or four Euler parameters; of a rotation "
+        "matrix R give R.T[:2]."),
     ),
     "place of two": (
         lambda m: m.body("b", 1.0, (1.0, 1.0, 1.0), at=(1, 2)),
@@ -156,6 +207,26 @@ MISTAKES: dict[str, tuple[Callable[[Any], Any], str]] = {
     "force of two": (
         lambda m: m.force("F", m.bodies["a"], (1, 0)),
         "value of force in space 'F': (1, 0) is not 3 values; write value=(1, 0, 0).",
+    ),
+    "torque on a hinge": (
+        lambda m: m.torque("T", hinge(m), (1, 0, 0)),
+        "torque in space 'T', on: revolute in space 'A' is no body; give a body as a whole.",
+    ),
+    "spring of a hinge": (
+        lambda m: m.line_force("F", hinge(m), m.bodies["a"], 1),
+        "'F': revolute in space 'A' is neither a point nor a body of a machine in space; write",
+    ),
+    "torsion spring of bodies": (
+        lambda m: m.torsion_spring("S", m.ground, m.bodies["a"]),
+        "a body is none, but its coordinates are, a.x, a.y or a.z.",
+    ),
+    "force of a rate": (
+        lambda m: m.generalized_force("F", {hinge(m).rate: 1}),
+        "force 'F': A_rate moves no body; write A.angle.",
+    ),
+    "force of a spin": (
+        lambda m: m.generalized_force("F", {m.bodies["a"].omega_z: 1}),
+        "force 'F': a_omega_z moves no body; write body.x or joint.angle.",
     ),
     "flat gravity": (
         lambda m: m.gravity("g", (0, -9.81)),
@@ -237,7 +308,18 @@ def test_a_stop_of_two_coordinates_is_one_problem() -> None:
     model.stop("s", joint, upper=1.0, restitution=0.5)
     (problem,) = model.problems
     assert problem == (
-        "stop 's': 'c' is no joint with one coordinate; give a revolute or a translational joint "
+        "stop 's': 'c' is no joint with one coordinate; give c.angle or c.slide, or an expression "
+        "of coordinates."
+    )
+
+
+def test_a_stop_of_a_joint_without_coordinates_names_joints_that_have_one() -> None:
+    model = declared()
+    ball = model.spherical("b", model.ground, model.bodies["a"], at=(0, 0, 0))
+    model.stop("s", ball, upper=1.0, restitution=0.5)
+    (problem,) = model.problems
+    assert problem == (
+        "stop 's': 'b' is no joint with one coordinate; give a revolute or a translational joint "
         "itself, or an expression of coordinates."
     )
 
