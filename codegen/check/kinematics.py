@@ -64,7 +64,7 @@ def examine(model: Model, equations: Equations, lowered: Lowered) -> Findings:
         f"scene '{equations.scene.name}': {len(rows)} constraints on {positions} coordinates, of "
         f"which only {len(rows) - len(dependent)} are independent; redundant: {redundant}."
     )
-    drivers = {c.name for c, _ in dependent if c.driver}
+    by, drivers = _held_by_rounding(lowered, kept), {c.name for c, _ in dependent if c.driver}
     names = " or ".join(map(repr, sorted(drivers or {c.name for c, _ in dependent})))
     if drivers:
         pairs = {name: frozenset(joint.bodies) for name, joint in model.joints.items()}
@@ -72,13 +72,13 @@ def examine(model: Model, equations: Equations, lowered: Lowered) -> Findings:
         most = FREEDOMS * (2 if model.in_space else 1)
         twice = (c.name for c, _ in rows if c.name in pairs and held[pairs[c.name]] > most)
         both = " and ".join(dict.fromkeys(twice))
-        problem = f"{head} Remove or relax {names}: no motion is left for them to prevent."
+        problem = head + (by or f" Remove or relax {names}: no motion is left for them to prevent.")
         if both:
             problem = f"{head} Joints {both} hold the same bodies: remove one of them."
         return found._replace(problems=(problem,))
     note = (
-        f"{head} The scene runs as long as its parameters let them agree, and reactions of joints "
-        f"that share a load are not unique. Remove or relax {names} to make them so."
+        f"{head}{by} The scene runs as long as its parameters let them agree, and reactions of "
+        f"joints that share a load are not unique. Remove or relax {names} to make them so."
     )
     return found._replace(notes=(note,))
 
@@ -119,6 +119,21 @@ def _jacobians_near_start(poses: Poses, kept: Array) -> Iterator[Any]:
             found = poses.scaled(poses.jacobian(begins[0]), poses.unit)
         if found is not None:
             yield _finite(found)
+
+
+def _held_by_rounding(lowered: Lowered, kept: Array) -> str:
+    """A sentence on joints that would leave a motion if their numbers were exact; or nothing."""
+    rows = next(_jacobians_near_start(Poses(lowered), kept))[kept > 0.0]
+    if not isinstance(rows, np.ndarray):
+        return ""
+    lengths = np.linalg.norm(rows, axis=1).clip(1e-300)  # safety: a row of zeros
+    values = np.linalg.svd(rows / lengths[:, None], compute_uv=False)
+    values = values[(values > 1e-12) & (values < 1e-3)]  # measured: beyond rounding; three digits
+    return bool(values.size) * (
+        f" The joints hold a motion by a singular value of only {values.min(initial=1.0):.1g}, and "
+        "would leave it free if axes and points were exact: compute these rather than round them "
+        "(ten digits are enough), or use a joint with fewer equations."
+    )
 
 
 def _finite(jacobian: Any) -> Any:

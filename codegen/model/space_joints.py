@@ -17,7 +17,7 @@ from codegen.model.space_effects import Place, SpaceEffects
 from codegen.readers.values import KindError, members, shown
 
 Ends = tuple[SpacePoint, SpacePoint]
-_OFF = 0.02  # accuracy: cosine, some 1°, that digits left out of two perpendicular axes may have
+_OFF = 1.15  # accuracy: degrees by which digits left out of two axes may change their angle
 
 
 class SpaceJoints(SpaceEffects):
@@ -86,8 +86,8 @@ class SpaceJoints(SpaceEffects):
             The axis of body `i` and that of body `j` at the drawing, in global axes; or
             ``(i.along(...), j.along(...))``.
         angle
-            Of the axes to each other, rad; if it is no right angle, as axes in global numbers
-            must be without it, the joint is the revolute-revolute one of intersecting axes.
+            Of the axes to each other, rad, at which those in global numbers must be drawn; if it is
+            no right angle, the joint is the revolute-revolute one of intersecting axes.
         """
         ends, where = self._ends(name, i, j, at), f"universal '{name}': axes"
         try:
@@ -184,8 +184,8 @@ class SpaceJoints(SpaceEffects):
             The axis of body `i` and the hinge of body `j` at the drawing, in global axes; or
             ``i.along(...)`` and ``j.along(...)``.
         angle
-            Of the two to each other, rad, by default a right angle; not 0. Without it, axes in
-            global numbers must be perpendicular.
+            Of the two to each other, rad, by default a right angle; not 0. Axes in global numbers
+            must be drawn at it.
         """
         ends, where = self._ends(name, i, j, at), f"revolute_cylindrical '{name}'"
         h = self._in_body(ends[0].body, axis, f"{where}: axis")
@@ -312,21 +312,21 @@ class SpaceJoints(SpaceEffects):
     def _cosine(
         self, where: str, angle: Any, ends: Ends, pair: Sequence[Any], own: Sequence[Array]
     ) -> sympy.Expr:
-        """Of the angle of two axes that are not parallel; global ones are drawn at a right one.
+        """Of the angle of two axes that are not parallel; global ones are drawn at it.
 
         `pair` are the axes as given, `own` those in the bodies.
         """
         cosine: sympy.Expr = sympy.cos(self._value(angle, "rad", f"{where}: angle"))
         if cosine.is_number and 1.0 - abs(float(cosine)) < SMALL:
             self._note(f"{where}: its axes are parallel; use a revolute or cylindrical joint.")
-        if cosine == 0 and not any(isinstance(one, Axis) for one in pair):
+        if cosine.is_number and not any(isinstance(one, Axis) for one in pair):
             a, b = (rotation_of(e.body.attitude) @ h for e, h in zip(ends, own, strict=True))
-            if abs(a @ b) > _OFF:
+            drawn, kept = np.degrees(np.arccos(np.clip([a @ b, float(cosine)], -1.0, 1.0)))
+            if abs(drawn - kept) > _OFF:
                 bodies = " and ".join(f"'{end.body.name}'" for end in ends)
                 self._note(
-                    f"{where}: at the drawing the axes of {bodies} are "
-                    f"{np.degrees(np.arccos(np.clip(a @ b, -1.0, 1.0))):.4g}° apart, and the joint "
-                    "keeps them perpendicular. Give perpendicular axes, or angle=."
+                    f"{where}: at the drawing the axes of {bodies} are {drawn:.4g}° apart, and the "
+                    f"joint keeps them at {kept:.4g}°. Give such axes, or another angle=."
                 )
         return cosine
 

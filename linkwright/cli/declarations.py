@@ -213,7 +213,8 @@ def _assembly(scene: "SceneFacts") -> str:
     moved = [f"{one.name} {one.guess:.4g} → {one.reached:.4g} {one.unit}" for one in scene.moved]
     more = len(moved) - _MOVED
     return (
-        f"{text}; this moves {counted(len(moved), 'coordinate')}: {', '.join(moved[:_MOVED])}"
+        f"{text}; this moves {counted(len(moved), 'coordinate')}: "
+        f"{', '.join(one.removesuffix(' 1') for one in moved[:_MOVED])}"
         f"{f', and {more} more' if more > 0 else ''}"
     )
 

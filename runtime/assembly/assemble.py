@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from codegen.errors import AssemblyError
 from runtime.assembly import redundancy, regular_start
-from runtime.assembly.far_starts import note_on_start
+from runtime.assembly.far_starts import driven_from_drawing, note_on_start
 from runtime.assembly.joint_closing import CLOSED, Task, close
 from runtime.assembly.mirrored_joints import mirror_note
 from runtime.assembly.open_joints import (
@@ -72,9 +72,10 @@ def assemble(
     t = float(t)
     equations.start.arrays["ease_q"][:] = start.ease[0]
     regular_start.place_counted(equations.start.table, t, equations.p, start.q)
-    regular = regular_start.find_regular_start(equations, t, start)
+    near = driven_from_drawing(equations, t, start)
+    regular = regular_start.find_regular_start(equations, t, near)
     if regular is None:
-        q, v, scale, start, findings = _irregular_start(equations, t, start, given)
+        q, v, scale, findings = _irregular_start(equations, t, near, given)
     else:
         (q, v, scale), findings = regular, Findings([], [], equations.m)
     if start.spins:
@@ -94,7 +95,7 @@ def assemble_declared(mechanism: Mechanism) -> Assembly:
 
 def _irregular_start(
     equations: Equations, t: float, start: Start, given: dict[str, float]
-) -> tuple[FloatArray, FloatArray, FloatArray, Start, Findings]:
+) -> tuple[FloatArray, FloatArray, FloatArray, Findings]:
     """The assembled state, (n,) each, typical changes, and dependent constraints."""
     description, drivers = equations.description, equations.description.driver_rows
     _require_magnitude(equations, t, start.q, given)
@@ -120,7 +121,7 @@ def _irregular_start(
     else:
         q, v = _start_on_branch(task, q, v, start.fixed_v) or (q, v)
     require_finite(equations, t, q, v)
-    return q, v, task.scale, start, findings
+    return q, v, task.scale, findings
 
 
 def _require_magnitude(
@@ -189,9 +190,10 @@ def _velocities(task: Task, start: Start, q: FloatArray) -> FloatArray:
             fault = "velocities contradict the joints"
             names = [(row.velocity, row.velocity_unit) for row in equations.description.coordinates]
             raise contradiction(task, fault, names, start.v, start.fixed_v, open_by)
+        more = ", or give more digits of axes and points" * bool(equations.description.redundant)
         raise AssemblyError(
-            f"{equations.description.title}: no velocities satisfy joints and drivers at "
-            f"t = {t:g} s: {open_by}. The position is singular for this motion; start elsewhere."
+            f"{equations.description.title}: no velocities satisfy joints and drivers at t = {t:g} "
+            f"s: {open_by}. The position is singular for this motion; start elsewhere{more}."
         )
     return v
 

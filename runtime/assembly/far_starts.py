@@ -1,4 +1,4 @@
-"""Notes on a start that is far from its guess: bodies turned away, loops in their mirror image.
+"""A start that is far from its guess: its way there, bodies turned away, mirror images of loops.
 
 With its drivers and what a scene fixes, a loop of bars closes in two ways or more, between which
 the determinant of its constraints vanishes. So it has the other sign in the mirror image. The loops
@@ -10,6 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from runtime.assembly.joint_closing import CLOSED, Task, refine
 from runtime.assembly.start_values import Start
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.module_tables import Description
@@ -19,7 +20,25 @@ _STAYED = 0.05  # measured: rad; a loop whose bodies all turn by less keeps its 
 # measured: determinant, in rows of length 1, over that at the start; a guess with a smaller ratio
 # is near to both forms of its loop
 _BETWEEN = 0.05
+_STEP, _MOST = 0.2, 300  # measured: scaled step of drivers from the drawing; steps at most
 _STEPS = 5  # measured: of Gauss and Newton, towards where coordinates without a guess close best
+
+
+def driven_from_drawing(equations: Equations, t: float, start: Start) -> Start:
+    """The start, moved in steps from a drawing in space to its drivers at t if they are far."""
+    description, q, before = equations.description, start.q, start.q
+    if not description.turning or equations.m < len(description.positions):
+        return start
+    size, every = equations.size(t, q), np.ones(equations.m, np.bool_)
+    scale, row_scale = equations.scale(size), equations.row_scale(t, q, size)
+    gap = equations.constraints(t, q) * description.driver_rows
+    steps = np.ceil(np.abs(gap / row_scale).max(initial=0.0) / _STEP)
+    for part in np.linspace(1.0, 0.0, int(steps) + 1) if 1 < steps <= _MOST else ():
+        task = Task(equations, t, scale, row_scale, every, ~start.fixed_q, scale, part * gap)
+        before, q = q, refine(task, 2.0 * q - before)
+        if not np.abs(task.gaps(q)).max() <= CLOSED:
+            return start
+    return start._replace(q=q)
 
 
 def note_on_start(

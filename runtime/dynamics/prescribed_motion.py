@@ -35,6 +35,7 @@ from runtime.dynamics.prepared_simulation import passages_of
 from runtime.explicit_time.instants import Kink
 from runtime.explicit_time.passage import Passages
 from runtime.integrate.problem import Options, Passage
+from runtime.linalg.rank_policy import LOST
 from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
 from runtime.mechanism.mechanism import Mechanism, Numbers
 from runtime.mechanism.module_tables import Description
@@ -65,7 +66,7 @@ def kinematics(
     if isinstance(start, Assembly):
         start = State(start.t, start.q, start.v, start.coordinates)
     begin = assemble(equations, t_start, guess, start)
-    _require_driven(mechanism.description, begin, analysis)
+    _require_driven(equations, begin, analysis)
     equations = suited_equations(equations, begin)
     given = start if isinstance(start, State) else start_values(mechanism, guess, start)
     preferred = begin.v if getattr(given, "spins", ()) else given.v
@@ -317,11 +318,17 @@ def _of_instants(
     return motion._replace(outcome=outcome, message=f"Stopped before t = {t:.9g} s. {text}")
 
 
-def _require_driven(description: Description, start: Assembly, analysis: str) -> None:
+def _require_driven(equations: Equations, at: Assembly, analysis: str) -> None:
     """Refuse a machine that its drivers leave free to move."""
-    free = start.degrees_of_freedom
+    description, free = equations.description, at.degrees_of_freedom
     if free == 0:
         return
+    slopes = equations.jacobian(at.t, at.q) * equations.scale(equations.size(at.t, at.q))
+    motions = np.linalg.svd(slopes[:, [not row.is_state for row in description.coordinates]])[2]
+    squares = np.sum(motions[-free:] ** 2, axis=0)
+    owners = np.array([row.name.rpartition(".")[0] for row in description.positions])
+    moves = {one: float(squares[owners == one].sum()) for one in owners.tolist()}
+    most = [one for one in sorted(moves, key=moves.__getitem__)[:-4:-1] if moves[one] > LOST]
     drivers = ", ".join(description.drivers) or "none"
     left_out = [row.name for row in description.left_out if "driver" in row.kind]
     hint = f" Declared but left out of this scene: {', '.join(left_out)}." if left_out else ""
@@ -334,8 +341,9 @@ def _require_driven(description: Description, start: Assembly, analysis: str) ->
         f"{description.title}: {analysis.replace('_', ' ')} needs a machine without freedom, and "
         f"{free} degree{'s' if free > 1 else ''} of freedom "
         f"{'are' if free > 1 else 'is'} left ({len(description.positions)} coordinates, drivers: "
-        f"{drivers}). Add {free} driver{'s' if free > 1 else ''} to the scene, or the joint "
-        "that is missing (`linkwright check` names the bodies that one joint alone holds), or ask "
+        f"{drivers}); most of all {'move' if len(most) > 1 else 'moves'} {', '.join(most)}. Add "
+        f"{free} driver{'s' if free > 1 else ''} to the scene, or the joint that is missing "
+        "(`linkwright check` names the bodies that one joint alone holds), or ask "
         f"for simulate.{hint}"
     )
 

@@ -200,3 +200,16 @@ def test_endings_in_capitals(folder: Path) -> None:
     for name, start in (("A.PNG", b"\x89PNG"), ("B.Svg", b"<?xml"), ("C.PDF", b"%PDF")):
         assert run("draw", "machine.py", "--out", name).exit_code == 0
         assert (folder / name).read_bytes().startswith(start)
+
+
+def test_numbers_without_a_unit_are_printed_without_one() -> None:
+    Path("bar.py").write_text(
+        "from codegen import Model, t\n"
+        'model = Model("bar", space=True)\n'
+        'bar = model.body("bar", 1.0, (0.1, 0.1, 0.1), at=(0.1, 0, 0))\n'
+        'hinge = model.revolute("A", model.ground, bar, at=(0, 0, 0), axis=(0, 0, 1))\n'
+        'model.rotation_driver("drive", hinge, 2.0 + t)\n'
+        'model.scene("run", drivers=["drive"])\n'
+    )
+    shown = run("check", "bar.py").stdout
+    assert "bar.e3 0 → 0.8415, bar.e0 1 → 0.5403, bar.x 0.1 → -0.04161 m, and 1 more" in shown

@@ -9,6 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from codegen import Model, t
+from codegen.errors import AssemblyError, ModelError
 from models.space.bricard import bricard
 from runtime import load
 from runtime.core.outcomes import Outcome
@@ -85,8 +86,8 @@ def opposite(angle: float) -> float:
     return float(2 * np.arctan2(ratio * np.cos(angle / 2), np.sin(angle / 2)))
 
 
-def bennett(angle: float) -> Any:
-    """Four hinges whose axes are skew, by the frames of Denavit and Hartenberg."""
+def bennett(angle: float, digits: int = 16) -> Any:
+    """Four hinges whose axes are skew, by the frames of Denavit and Hartenberg, rounded."""
     frame, frames = np.eye(4), [np.eye(4)]
     turns = (angle, opposite(angle), -angle)
     for turn, side, twist in zip(turns, (*SIDES, SIDES[0]), (*TWISTS, TWISTS[0]), strict=True):
@@ -101,7 +102,8 @@ def bennett(angle: float) -> Any:
         chain.append(model.body(f"b{k}", 1.0, (0.1, 0.1, 0.1), at=(one[:3, 3] + other[:3, 3]) / 2))
     chain.append(model.ground)
     for k, of in enumerate(frames):
-        model.revolute(f"J{k + 1}", chain[k], chain[k + 1], at=of[:3, 3], axis=of[:3, 2])
+        at, axis = np.round(of[:3, [3, 2]], digits).T
+        model.revolute(f"J{k + 1}", chain[k], chain[k + 1], at=at, axis=axis)
     model.rotation_driver("drive", model.joints["J1"], 2 * np.pi * t)
     model.scene("turn", [], ["drive"], outputs=["default", model.joints["J4"].angle])
     return model
@@ -116,3 +118,25 @@ def test_rows_that_are_chosen_hold_for_a_whole_turn(degrees: float, workshop: Pa
     assert run.stats["singular_crossings"] == 0
     turned = [opposite(start) - opposite(start + 2 * np.pi * time) for time in run.t]
     assert_allclose(np.exp(1j * run["J4.angle"]), np.exp(1j * np.array(turned)), atol=1e-9)
+
+
+def test_a_loop_that_rounded_numbers_lock_is_told_so(workshop: Path) -> None:
+    with pytest.raises(ModelError) as refusal:
+        load(bennett(1.0, 4), folder=workshop)
+    said = str(refusal.value)
+    assert "The joints hold a motion by a singular value of only 8e-06, and would leave it" in said
+    assert "compute these rather than round them (ten digits are enough), or use" in said
+    assert "Remove or relax" not in said
+    with pytest.warns(UserWarning, match="no velocities"):
+        machine = load(bennett(1.0, 9), folder=workshop)
+    with pytest.raises(AssemblyError, match="elsewhere, or give more digits of axes and"):
+        machine.kinematics(1.0, 11, progress=False)
+    run = load(bennett(1.0, 10), folder=workshop).kinematics(1.0, 101, progress=False)
+    assert run.outcome is Outcome.OK
+
+
+def test_a_driver_far_from_the_drawing_leads_its_loop_on_from_there(workshop: Path) -> None:
+    machine = load(four_bar(), "led_few", folder=workshop)
+    run = machine.kinematics([0.0, 0.8, 1.6, 2.0], progress=False)
+    for k, time in enumerate(run.t):
+        assert_allclose(machine.assemble(t=time).q, run.samples.q[k], rtol=0, atol=1e-9)

@@ -177,7 +177,12 @@ MISTAKES: dict[str, tuple[Callable[[Any], Any], str]] = {
     "parallel axes of a cross": (
         lambda m: m.universal("U", m.ground, m.bodies["a"], at=(0, 0, 0), axes=(Z, Z)),
         ("universal 'U': at the drawing the axes of 'ground' and 'a' are 0° apart, and the joint "
-        "keeps them perpendicular. Give perpendicular axes, or angle=."),
+        "keeps them at 90°. Give such axes, or another angle=."),
+    ),
+    "angle of a cross that is drawn at another": (
+        lambda m: m.universal("U", m.ground, m.bodies["a"], at=(0, 0, 0), axes=(X, Z), angle=1.2),
+        ("universal 'U': at the drawing the axes of 'ground' and 'a' are 90° apart, and the joint "
+        "keeps them at 68.75°. Give such axes, or another angle=."),
     ),
     "axes of a cross": (
         lambda m: m.universal(
