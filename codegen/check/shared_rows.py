@@ -154,8 +154,8 @@ def _best(
 ) -> SharedRows:  # fmt: skip
     """The rows and columns that stand for what a joint adds.
 
-    Plain rows alone where its direction is theirs, else columns, which turn with it also where no
-    position was looked at.
+    Rows that no dependency contains stand for themselves. For others plain rows do where its
+    direction is theirs, else columns, which turn with it also where no position was looked at.
     """
     size, rank = len(rows), len(rows) - len(redundant)
     best, least = tuple(range(rank)), -1.0
@@ -164,12 +164,16 @@ def _best(
         weights /= np.maximum(np.linalg.norm(weights, axis=2).max(axis=0), 1e-300)[:, None]
         total, terms = weights.shape[1], np.count_nonzero(weights.any(axis=0), axis=1)
         terms *= in_plane and len(seen) > 1  # of one position entries may vanish by chance
+        left_out = (1.0 - (rests**2).sum(axis=2)).max(axis=0)  # of each row, by a dependency
+        alone = [*np.flatnonzero(left_out < _SINGULAR)]
         stages = ((range(size), _FIXED), (range(size, total), _TURNING), (range(total), 0.0))
-        for among, enough in stages:
-            if math.comb(len(among), rank) > _MOST:
+        for stage, enough in stages:
+            among, more = [s for s in stage if s not in alone], rank - len(alone)
+            if math.comb(len(among), more) > _MOST:
                 continue
-            most = math.inf
-            sizes = {one: int(terms[[*one]].sum()) for one in combinations(among, rank)}
+            most, every = math.inf, combinations(among, more)
+            choices = [tuple(sorted((*alone, *one))) for one in every]
+            sizes = {one: int(terms[[*one]].sum()) for one in choices}
             for chosen in sorted(sizes, key=sizes.__getitem__):
                 worst = np.linalg.svd(weights[:, chosen] @ rests, compute_uv=False).min(initial=1.0)
                 pays = _DENSER if least >= _TURNING and sizes[chosen] > most else 1.0

@@ -31,6 +31,7 @@ from runtime.singularity.singular_position_near_motion import Singularity, Singu
 
 _ALLOWANCE = 100.0  # measured: permitted ratio of the rounding in an error to its expected size
 _ASTRAY = 1e-6  # accuracy: of a velocity; error of a start against the branch that it follows
+_WRONG = 1e-3  # accuracy: of the sizes of coordinates; a step that errs by more is not taken
 _SLACK = 1e3  # measured: factor by which the estimate may err if rounding dominates
 _LARGE = 0.5  # measured: of the largest share; units of rows and masses change a share by as much
 _PROBE = 0.01  # safety: of the way to a lock-up; distance at which its singular value is compared
@@ -208,7 +209,8 @@ class Crossings:
             return self._end(Site.NO_ACCELERATIONS, position)
         self.step, self.before = step, self._start_state()
         r["plan"], r["length_across"] = _CROSSING, step.h
-        r["permitted"] = 2.0 * step.method + _ALLOWANCE * (step.rounding + step.start)
+        permitted = 2.0 * step.method + _ALLOWANCE * (step.rounding + step.start)
+        r["permitted"] = min(permitted, _WRONG / self.rtol)
         blind = sqrt(noise)
         r["blind_from"], r["blind_to"] = position.t - blind, position.t + blind
         return _GOING
@@ -230,7 +232,7 @@ class Crossings:
         self.tries += 1
         rounded = r["reason"] == TrialStep.TOO_LARGE and step.rounding + step.start > step.method
         is_late = error <= r["permitted"]  # rejected for its samples, or its balance of energy
-        if rounded and not is_late and error < _SLACK * r["permitted"]:
+        if rounded and not is_late and error < min(_SLACK * r["permitted"], _WRONG / self.rtol):
             r["permitted"] = 1.01 * error  # rounding again: another step would fare no better
             return _GOING
         if self.tries > _TRIES:

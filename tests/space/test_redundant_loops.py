@@ -9,7 +9,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from codegen import Model, t
+from codegen.check import shared_rows
 from codegen.errors import AssemblyError, ModelError
+from codegen.lower.kernels.independent_rows import SharedRows
 from models.space.bricard import bricard
 from runtime import load
 from runtime.core.outcomes import Outcome
@@ -140,3 +142,66 @@ def test_a_driver_far_from_the_drawing_leads_its_loop_on_from_there(workshop: Pa
     run = machine.kinematics([0.0, 0.8, 1.6, 2.0], progress=False)
     for k, time in enumerate(run.t):
         assert_allclose(machine.assemble(t=time).q, run.samples.q[k], rtol=0, atol=1e-9)
+
+
+LINK, LOAD, PART, OFFSET = 0.3, 8.0, 0.5, 0.12  # m, kg, kg of a link, m to the lower hinges
+
+
+def sarrus() -> Any:
+    """Sarrus's linkage: two chains of hinges at right angles lead a plate up and down."""
+    model: Any = Model("sarrus", space=True, gravity=(0, 0, -9.81))
+    up, moments = np.array(Z, float), (1e-5, PART * LINK**2 / 12, PART * LINK**2 / 12)
+    height, angle = 0.5, np.arcsin(0.5 / 2 / LINK)
+    plate = model.body("plate", LOAD, (0.05, 0.05, 0.08), at=(0, 0, height))
+    for name, out in (("x", np.array([1.0, 0, 0])), ("y", np.array([0, 1.0, 0]))):
+        axis, low = np.cross(up, out), OFFSET * out
+        elbow = low + LINK * (np.cos(angle) * out + np.sin(angle) * up)
+        places = low, elbow, low + height * up
+        links = [
+            model.body(f"{part}_{name}", PART, moments, at=(a + b) / 2, axes=(b - a, axis))
+            for part, (a, b) in zip(("low", "up"), pairwise(places), strict=True)
+        ]
+        chain = (model.ground, *links, plate)
+        for word, at, (i, j) in zip(("base", "elbow", "top"), places, pairwise(chain), strict=True):
+            model.revolute(f"{word}_{name}", i, j, at=at, axis=axis)
+    model.scene("fall", ["gravity"])
+    return model
+
+
+def test_chains_that_fold_and_stretch_at_once_keep_their_energy(workshop: Path) -> None:
+    """The redundant direction turns by 90° between both, in the axes of the last link."""
+
+    def inertia(angle: float) -> float:
+        """Of both chains and the plate, in the angle of a link."""
+        sine, cosine = np.sin(angle) / 2, np.cos(angle)
+        links = 2 * PART * (LINK**2 / 6 + LINK**2 * (0.25 + sine**2 + (1.5 * cosine) ** 2))
+        return float(links + LOAD * (2 * LINK * cosine) ** 2)
+
+    machine = load(sarrus(), folder=workshop)
+    run = machine.simulate(1.2, 601, rtol=1e-10, progress=False)
+    assert run.outcome is Outcome.OK
+    assert [round(row.time, 3) for row in run.singular] == [0.316, 0.471, 0.626]
+    assert np.ptp(run.energy("total")) < 1e-3
+    # speed from the energy, and heights from it by the rate at which they change
+    z, speed = run["plate.z"], run["plate.vz"]
+    cosine = np.sqrt(1.0 - (z / 2 / LINK) ** 2)
+    away = cosine > 0.05
+    rate = speed[away] / (2 * LINK * cosine[away])
+    kinetic = 0.5 * np.vectorize(inertia)(np.arcsin(z[away] / 2 / LINK)) * rate**2
+    assert_allclose(kinetic, (LOAD + 2 * PART) * 9.81 * (0.5 - z[away]), rtol=0, atol=1e-3)
+
+
+def test_a_step_across_a_singular_position_errs_by_little_or_is_not_taken(
+    workshop: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Rows of which one is dropped that says most where the chains are stretched."""
+
+    def last_dropped(rows: Any, redundant: Any, *_: Any) -> SharedRows:
+        return SharedRows(rows, redundant, tuple(row for row in rows if row not in redundant), ())
+
+    monkeypatch.setattr(shared_rows, "_best", last_dropped)
+    monkeypatch.setattr(shared_rows, "_loses_direction", lambda *_: False)
+    machine = load(sarrus(), folder=workshop / "poor")
+    for rtol in (1e-6, 1e-8, 1e-10):
+        run = machine.simulate(1.2, 601, rtol=rtol, progress=False)
+        assert run.stats["crossing_error"] * rtol < 1e-3
