@@ -222,8 +222,14 @@ def summary(result: "Result", saved: Path | None) -> dict[str, Any]:
 
 
 def _print_ends(result: "Result") -> None:
-    """The last values of all coordinates and states, a line each."""
+    """The least and greatest forces that inverse dynamics seeks; last values of coordinates."""
     about = result.description
+    for row in about.reactions if result.analysis == "inverse dynamics" else ():
+        if row.element in (about.unknown or about.drivers):
+            values = result.series(row.name)[0]
+            found = sorted(x for x in values if not math.isnan(x)) or [math.nan]
+            ends = without_rounding((found[0], found[-1]))
+            sys.stdout.write(f"{row.name}  {ends[0]:.9g} to {ends[1]:.9g} {row.unit}\n")
     names = [*(row.name for row in about.positions), *about.states.names]
     columns = [result.series(name) for name in names]
     ends = without_rounding(values[-1] for values, _ in columns)

@@ -1,6 +1,7 @@
 """A case file in place of MODEL on the command line."""
 
 import json
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -120,6 +121,11 @@ def test_prescribed_motions_and_positions_of_rest(run: Callable[..., Result]) ->
 def test_unknowns_of_options_and_cases(run: Callable[..., Result]) -> None:
     words = ("inverse", "commanded.py", "--scene", "driven", "--t-end", "1", "--json")
     assert "Sought: winch, in place of turn" in facts(run(*words, "--unknown", "winch"))["message"]
+    shown = run(*words[:-1], "--unknown", "winch").stdout.splitlines()
+    assert shown[0] == f"winch.torque  {18.62 * math.cos(2.0):.9g} to 18.62 N m"
+    assert shown[1].startswith("bob.x ")
+    shown = run(*words[:-1]).stdout.splitlines()
+    assert shown[0] == f"turn.torque  {18.62 * math.cos(2.0):.9g} to 18.62 N m"
     of_case = facts(run("inverse", "lift.yaml", "--json"))
     assert "with weights winch 1, jack 2." in of_case["message"]
     assert of_case["instants"] == 3
