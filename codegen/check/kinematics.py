@@ -128,9 +128,9 @@ def _held_by_rounding(lowered: Lowered, kept: Array) -> str:
         return ""
     lengths = np.linalg.norm(rows, axis=1).clip(1e-300)  # safety: a row of zeros
     values = np.linalg.svd(rows / lengths[:, None], compute_uv=False)
-    values = values[(values > 1e-12) & (values < 1e-3)]  # measured: beyond rounding; three digits
-    return bool(values.size) * (
-        f" The joints hold a motion by a singular value of only {values.min(initial=1.0):.1g}, and "
+    *_, other, least = 1.0, 1.0, *values[values > 1e-12]  # measured: above rounding
+    return bool(least < min(1e-3, 0.01 * other)) * (  # measured: three digits, apart from others
+        f" The joints hold a motion by a singular value of only {least:.1g}, and "
         "would leave it free if axes and points were exact: compute these rather than round them "
         "(ten digits are enough), or use a joint with fewer equations."
     )
