@@ -329,6 +329,7 @@ def _require_driven(equations: Equations, at: Assembly, analysis: str) -> None:
     owners = np.array([row.name.rpartition(".")[0] for row in description.positions])
     moves = {one: float(squares[owners == one].sum()) for one in owners.tolist()}
     most = [one for one in sorted(moves, key=moves.__getitem__)[:-4:-1] if moves[one] > LOST]
+    who = f"most of all move {', '.join(most)}" if len(most) > 1 else f"{most[0]} alone moves"
     drivers = ", ".join(description.drivers) or "none"
     left_out = [row.name for row in description.left_out if "driver" in row.kind]
     hint = f" Declared but left out of this scene: {', '.join(left_out)}." if left_out else ""
@@ -341,9 +342,8 @@ def _require_driven(equations: Equations, at: Assembly, analysis: str) -> None:
         f"{description.title}: {analysis.replace('_', ' ')} needs a machine without freedom, and "
         f"{free} degree{'s' if free > 1 else ''} of freedom "
         f"{'are' if free > 1 else 'is'} left ({len(description.positions)} coordinates, drivers: "
-        f"{drivers}); most of all {'move' if len(most) > 1 else 'moves'} {', '.join(most)}. Add "
-        f"{free} driver{'s' if free > 1 else ''} to the scene, or the joint that is missing "
-        "(`linkwright check` names the bodies that one joint alone holds), or ask "
+        f"{drivers}); {who}. Add {free} driver{'s' if free > 1 else ''} to the scene, or the joint "
+        "that is missing (`linkwright check` names the bodies that one joint alone holds), or ask "
         f"for simulate.{hint}"
     )
 
