@@ -248,6 +248,8 @@ class _Maker:
         axes = axes_along(h) if joint.axis else np.eye(3)
         low, high = self._travel(joint, axes)
         first, last = (low[2], high[2]) if joint.slides else (0.0, 0.0)
+        if joint.form == "bead":  # its line begins at the body that has it
+            first, last = min(first, 0.0), max(last, 0.0)
         inner = self.first.within(self.first.along(joint.axis), j.body) if joint.axis else h
         sleeve = SLEEVE * self.size
         match joint.form:

@@ -136,6 +136,19 @@ def test_a_shaft_is_as_long_as_its_travel(result: Any) -> None:
     assert room[0] > 0
 
 
+def test_the_line_of_a_bead_reaches_from_its_body_beyond_the_bead() -> None:
+    model = Model("bead", space=True, gravity=DOWN)
+    rod = model.body("rod", 1.0, (1.0, 1.0, 1.0))
+    model.strut("S", rod, model.ground.at(0, 0, 0.6), axis=rod.along(0, 0, 1))
+    model.scene("s", analysis="kinematics")
+    picture = drawn(model)
+    (line,) = (one for one in solids(picture) if one.element == "S" and one.body == 1
+               and one.form == "cylinder")  # fmt: skip
+    low, high = sorted(ends(line)[:, 2])
+    assert low <= 0.0
+    assert 0.6 < high < 0.7
+
+
 def test_arrows_are_the_reactions_of_the_result(result: Any) -> None:
     picture = moving_picture(result)
     loads = {(one.element, one.style): one for one in acting_loads(picture, exerted(result))}
