@@ -223,7 +223,7 @@ class MachineStates:
     def draw(
         self, at: "float | State | Assembly | Result" = 0.0, *, parameters: Values | None = None,
         guess: Values | None = None, dimensions: bool = False, forces: bool = False,
-        frames: bool = False, names: bool = True,
+        frames: bool = False, names: bool = True, view: str = "usual",
     ) -> "Figure":  # fmt: skip
         """Draw the machine at its start, or at a state.
 
@@ -234,7 +234,7 @@ class MachineStates:
             a state from `assemble` or `Result.state(t)`; or a result, for the state at its end.
         parameters, guess
             As for `assemble`: values by name, in SI units or as texts, ``"45 mm"``.
-        dimensions, forces, frames, names
+        dimensions, forces, frames, names, view
             As for `Model.draw`; forces are the applied forces. `Result.draw` draws reactions, too.
 
         Raises

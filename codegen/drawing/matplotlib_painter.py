@@ -40,7 +40,7 @@ SIDE = 0.75  # layout: room beside the axes of a movie, inches
 
 def figure(
     picture: Picture, dimensions: bool = False, forces: bool = False, *, frames: bool = False,
-    names: bool = True, series: annotations.Series | None = None,
+    names: bool = True, view: str = "usual", series: annotations.Series | None = None,
     run: Iterable[annotations.Load] = (),
 ) -> "Figure":  # fmt: skip
     """Draw a picture, whose bodies all have outlines: see `body_outlines.complete_picture`.
@@ -51,6 +51,10 @@ def figure(
     by the names of their series, and `run` is all that acts in the run. Raises InputError where
     Matplotlib is not installed.
     """
+    if isinstance(picture, SpacePicture):
+        picture = replace(picture, seen=view)
+    elif view != "usual":
+        raise InputError(f"{picture.title}: view= is there for machines in space alone.")
     acting = annotations.acting_loads(picture, series, run)
     scale = annotations.force_scale(picture, acting) if forces else None
     if isinstance(picture, SpacePicture):

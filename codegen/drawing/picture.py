@@ -163,12 +163,18 @@ def turned(vectors: Any, p: FloatArray) -> FloatArray:
     return np.asarray(vectors + 2.0 * np.cross(e, np.cross(e, vectors) + scalar * vectors))
 
 
+VIEWS = ("usual", "x", "y", "z", "-x", "-y", "-z")
+
+
+@dataclass(frozen=True)
 class SpacePicture(Picture):
     """The same of a machine in space, with poses x, y, z, e0 … e3 of each body, (..., 7).
 
-    As a planar picture it is the projection onto the plane of the usual view: places are points of
-    that plane, and so are the points of its strokes, of whatever body.
+    As a planar picture it is the projection onto the plane of its view: places are points of that
+    plane, and so are the points of its strokes, of whatever body.
     """
+
+    seen: str = "usual"  # of `VIEWS`: along an axis from its positive side, with - from the other
 
     def where(self, place: SpacePlace) -> FloatArray:
         """A place in the global frame, (..., 3), m."""
@@ -218,8 +224,12 @@ class SpacePicture(Picture):
 
     @cached_property
     def view(self) -> FloatArray:
-        """The usual view: the axes to the right, upward and toward the viewer, as rows, (3, 3)."""
+        """The view: the axes to the right, upward and toward the viewer, as rows, (3, 3)."""
         right, _ = self.level
+        if self.seen != "usual":
+            toward = np.eye(3)["xyz".index(self.seen[-1])] * (-1) ** self.seen.startswith("-")
+            right = right if toward @ self.up else np.cross(self.up, toward)
+            return np.array([right, np.cross(toward, right), toward])
         front = np.cross(right, self.up)
         (c, s), (ch, sh) = ((np.cos(a), np.sin(a)) for a in (AZIMUTH, HEIGHT))
         right, front = c * right - s * front, s * right + c * front

@@ -12,6 +12,7 @@ from codegen.declare.element import Constraint, Effect, label
 from codegen.declare.returned_values import check_parts, named
 from codegen.declare.scene import Scene
 from codegen.declare.space_body import SpaceBody
+from codegen.drawing.picture import VIEWS
 from codegen.elements.registry import ACTIONS
 from codegen.errors import ModelError, NoAttributeError
 from codegen.model.base import Declared
@@ -136,11 +137,13 @@ class Model(Values, Scenes, Forces, Contacts):
         scene=readers.optional(readers.scene),
         parameters=readers.optional(readers.values('{"L": 1.2}')), assembled=readers.flag,
         **dict.fromkeys(("dimensions", "forces", "frames", "names"), readers.flag),
+        view=readers.word(*VIEWS),
     )  # fmt: skip
     def draw(
         self, scene: "str | Scene | None" = None, *,
         parameters: "Mapping[str, float | str] | None" = None, assembled: bool = True,
         dimensions: bool = False, forces: bool = False, frames: bool = False, names: bool = True,
+        view: str = "usual",
     ) -> "Figure":  # fmt: skip
         """Draw the machine as it is declared, before anything is built.
 
@@ -158,6 +161,9 @@ class Model(Values, Scenes, Forces, Contacts):
         dimensions, forces, frames, names
             Whether to draw the distances between the points of a body, m; the applied forces, to
             scale; the frames x'-y' and centres of mass; the names of bodies and joints.
+        view
+            In space ``"x"``, ``"y"`` or ``"z"``, along an axis from its positive side; ``"-x"`` …
+            from the other.
 
         Returns
         -------
@@ -175,7 +181,7 @@ class Model(Values, Scenes, Forces, Contacts):
         from codegen.drawing.matplotlib_painter import figure
 
         picture = declared_picture(self, scene, parameters, assembled)
-        return figure(picture, dimensions, forces, frames=frames, names=names)
+        return figure(picture, dimensions, forces, frames=frames, names=names, view=view)
 
     @readers.reads(scene=readers.optional(readers.scene))
     def equations(self, scene: "str | Scene | None" = None) -> "SceneEquations":

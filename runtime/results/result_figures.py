@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
+from codegen.drawing.picture import VIEWS
 from codegen.errors import InputError
 from codegen.presentation import in_pyplot
 from codegen.readers import arguments as readers
@@ -53,10 +54,11 @@ class ResultFigures(TimeSeries):
     @readers.reads(
         t=readers.optional(readers.number("a finite number, an instant in s", unit="s")),
         **dict.fromkeys(("dimensions", "forces", "frames", "names"), readers.flag),
+        view=readers.word(*VIEWS),
     )
     def draw(
         self, t: float | None = None, *, dimensions: bool = False, forces: bool = False,
-        frames: bool = False, names: bool = True,
+        frames: bool = False, names: bool = True, view: str = "usual",
     ) -> "Figure":  # fmt: skip
         """Draw the machine at an instant of the motion.
 
@@ -64,7 +66,7 @@ class ResultFigures(TimeSeries):
         ----------
         t
             Instant in s, as `at` takes it; unless given, the first sample.
-        dimensions, forces, frames, names
+        dimensions, forces, frames, names, view
             As for `Model.draw`; forces are also those of joints and drivers, but no weights.
 
         Raises
@@ -76,7 +78,7 @@ class ResultFigures(TimeSeries):
 
         return draw_result(
             cast("Result", self), t, dimensions=dimensions, forces=forces, frames=frames,
-            names=names,
+            names=names, view=view,
         )  # fmt: skip
 
     @readers.reads(

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from codegen.drawing.picture import VIEWS
 from codegen.errors import AnalysisError, InputError, ParameterError
 from codegen.parameter_conditions import profile_problems, violated_conditions
 from codegen.readers import arguments as readers
@@ -295,6 +296,7 @@ KINDS: dict[str, Reader] = {
     "coordinate": readers.text("the name of a coordinate"),
     "out": optional(readers.path),
     **dict.fromkeys(("progress", "dimensions", "forces", "frames", "names"), readers.flag),
+    "view": readers.word(*VIEWS),
     "controllers": optional(readers.functions('{"u": lambda sample: 2.0 * sample.t}')),
 }
 """Argument of an analysis → its reader."""

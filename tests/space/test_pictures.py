@@ -1,5 +1,6 @@
 """Pictures of machines in space: their solids, the plane of their view, stills and movies."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from codegen.drawing.space_shapes import Bulk, SpaceJoint
 from codegen.drawing.space_strokes import arrows_in_space, strokes_in_space
 from codegen.errors import InputError
 from codegen.picture_at_start import declared_picture
+from codegen.reading.model_file import read_model
 from models.space.bricard import bricard
 from models.space.heavy_top import heavy_top
 from runtime import load
@@ -123,6 +125,22 @@ def test_the_view_has_gravity_downward_and_axes_of_a_right_hand() -> None:
         assert picture.flat(picture.up).imag > 0.9 - 0.05
         assert abs(picture.flat(picture.up).real) < 1e-15
     assert tuple(drawn(bricard()).up) == Y
+
+
+@pytest.mark.parametrize(
+    ("view", "toward"), [("x", X), ("-y", np.negative(Y)), ("z", np.negative(DOWN))]
+)
+def test_a_still_looks_along_an_axis(result: Any, view: str, toward: Any) -> None:
+    picture = replace(drawn(slider_crank(with_rod=True)), seen=view)
+    assert_allclose(picture.view[2], np.divide(toward, np.linalg.norm(toward)), atol=1e-15)
+    assert_allclose(np.cross(*picture.view[:2]), picture.view[2], atol=1e-15)
+    widths = [result.draw(0.1, view=one).axes[0].get_xlim() for one in (view, "usual")]
+    assert widths[0] != widths[1]
+
+
+def test_the_plane_has_one_view() -> None:
+    with pytest.raises(InputError, match="view= is there for machines in space alone"):
+        read_model("slider_crank").model.draw(view="x")
 
 
 def test_a_shaft_is_as_long_as_its_travel(result: Any) -> None:
