@@ -234,4 +234,5 @@ def _print_ends(result: "Result") -> None:
     columns = [result.series(name) for name in names]
     ends = without_rounding(values[-1] for values, _ in columns)
     for name, value, (_, unit) in zip(names, ends, columns, strict=True):
-        sys.stdout.write(f"{name:<{max(map(len, names))}}  {value: .9g} {unit}\n")
+        row = f"{name:<{max(map(len, names))}}  {value: .9g} {unit}"
+        sys.stdout.write(row.removesuffix(" 1") + "\n")

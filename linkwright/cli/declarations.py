@@ -252,6 +252,7 @@ def draw(
     guesses: bool = picture(
         False, "Draw the bodies at their guesses, with the gap of each joint.", "--guesses"
     ),
+    view: str = picture("usual", "In space along an axis: x, y, z, -x, -y or -z."),
     as_json: Json = False,
 ) -> None:  # fmt: skip
     """Draw a machine as it is declared, at its start or at an instant, into a file."""
@@ -262,7 +263,7 @@ def draw(
         raise InputError("--guesses with --t: at an instant joints are closed; leave one out.")
     wanted: dict[str, Any] = {
         "parameters": parameters(settings), "dimensions": dimensions, "forces": forces,
-        "frames": frames, "names": names,
+        "frames": frames, "names": names, "view": view,
     }  # fmt: skip
     with progress_shown("drawing"), in_pyplot(False):
         if t is None:

@@ -213,3 +213,21 @@ def test_numbers_without_a_unit_are_printed_without_one() -> None:
     )
     shown = run("check", "bar.py").stdout
     assert "bar.e3 0 → 0.8415, bar.e0 1 → 0.5403, bar.x 0.1 → -0.04161 m, and 1 more" in shown
+    ends = run("kinematics", "bar.py", "--t-end", "1").stdout.splitlines()
+    assert not [line for line in ends if line.endswith(" 1") and line.startswith("bar.")]
+    assert any(line.startswith("bar.e3") for line in ends)
+
+
+def test_machines_in_space_are_drawn_along_an_axis() -> None:
+    write("pendulum")
+    assert run("draw", "machine.py", "--view", "z", "--out", "a.svg").exit_code != 0
+    Path("ball.py").write_text(
+        "from codegen import Model\n"
+        'model = Model("ball", space=True)\n'
+        'model.body("ball", 1.0, (0.1, 0.2, 0.3), at=(0.1, 0, 0))\n'
+    )
+    pictures = set()
+    for view in ("usual", "x", "z"):
+        assert run("draw", "ball.py", "--view", view, "--out", "a.svg").exit_code == 0
+        pictures.add(Path("a.svg").read_bytes())
+    assert len(pictures) == 3
