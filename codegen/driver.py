@@ -151,11 +151,10 @@ def _build(
         _emit(file, folder, settings, requested, unroll, *translated) for translated in prepared
     ]
     every = [report for files in written for report in files]
-    for (equations, *_), files in zip(prepared, written, strict=True):
-        for report in files:
-            report.bring_up_to_date(check)
-            if not check:
-                write_record(report.path, record(file, declared, equations.scene, report.digest))
+    for report in every:
+        report.bring_up_to_date(check)
+        if not check:
+            write_record(report.path, record(file, declared, report.digest))
     if compiled and not check:
         progress(f"{declared.name}: compile")
         times = compile_modules([report.path for report in every])

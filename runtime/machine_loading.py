@@ -108,14 +108,9 @@ def _build(model: "Path | Model", scene: "str | Scene | None", generated: Path) 
     """Have the code generator write the module; of a file without a scene it builds all."""
     with collection_paused():
         from codegen import build
-        from codegen.generated_files.provenance import text_built_before
 
-        if not isinstance(model, Path):
-            scene = next(iter(model.scenes), None) if scene is None else scene
-            chosen = model.scenes.get(scene) if isinstance(scene, str) else scene
-            path = scene_path(generated, model.name, chosen.name if chosen else "")
-            if chosen and (text := text_built_before(model, chosen, path)):
-                return path, text
+        if scene is None and not isinstance(model, Path):
+            scene = next(iter(model.scenes), None)
         report = build(model, scene=scene, out=generated, compile=False, unroll=None)
     first = report.scenes[0]
     return first.path, first.text

@@ -34,7 +34,6 @@ class Record(NamedTuple):
 
     text: str  # SHA-256 of the file
     generator: str
-    declaration: str  # SHA-256 of model and scene; empty where code of the user's is in them
     scenes: tuple[str, ...]  # that the model declares, in order
     inputs: tuple[Input, ...]  # the model file first, if there is one
     unwatched: tuple[str, ...]  # requests of the model whose answers nobody can watch
@@ -124,9 +123,9 @@ def records(path: Path) -> Iterator[Record]:
     """All records of a generated file that can be read."""
     for place in _places(path):
         with suppress(OSError, ValueError, TypeError):
-            text, generator, declared, scenes, inputs, unwatched = json.loads(place.read_bytes())
+            text, generator, scenes, inputs, unwatched = json.loads(place.read_bytes())
             rows = tuple(Input(*row) for row in inputs)
-            yield Record(text, generator, declared, tuple(scenes), rows, tuple(unwatched))
+            yield Record(text, generator, tuple(scenes), rows, tuple(unwatched))
 
 
 def _places(path: Path) -> Iterator[Path]:

@@ -1,22 +1,19 @@
 """Provenance of a generated file: folder, name, sources, and the command that rebuilds it."""
 
 import hashlib
-import pickle
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 
 import sympy
 
-from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations
 from codegen.emit.line_wrapping import literal
 from codegen.emit.module import Origin, Unroll
-from codegen.files.build_records import Input, Record, generator_state, records
-from codegen.files.generated_modules import read_generated, scene_path, text_hash
+from codegen.files.build_records import Input, Record, generator_state
+from codegen.files.generated_modules import scene_path
 from codegen.files.library_folders import LIBRARY, models_folder
 from codegen.model import Model
-from codegen.reading.model_file import ModelFile, modules_of_user
+from codegen.reading.model_file import ModelFile
 
 
 def default_folder(file: ModelFile) -> Path:
@@ -35,28 +32,11 @@ def generated_path(
     return scene_path(folder, stem, equations.scene.name, tail)
 
 
-def declaration(model: Model, scene: Scene) -> str:
-    """SHA-256 of model and scene; empty with code of the user's, which a pickle only names."""
-    with suppress(Exception):  # of a user's own object
-        content = pickle.dumps(model) + pickle.dumps(scene.request)
-        if not any(name.encode() in content for name in ("__main__", *modules_of_user())):
-            return hashlib.sha256(content).hexdigest()
-    return ""
-
-
-def text_built_before(model: Model, scene: Scene, path: Path) -> str | None:
-    """The text of a scene's generated file, where it was made from this very declaration."""
-    declared, text = declaration(model, scene), read_generated(path) if path.is_file() else ""
-    made = (text_hash(text), generator_state(), declared)
-    return text if declared and any(row[:3] == made for row in records(path)) else None
-
-
-def record(file: ModelFile, model: Model, scene: Scene, digest: str) -> Record:
+def record(file: ModelFile, model: Model, digest: str) -> Record:
     """What a generated file, whose text has this SHA-256, was made from."""
     scenes = tuple(model.scenes) or ("default",)
     sources = (Input("file", str(source), value) for source, value in file.sources)
-    inputs, declared = (*sources, *file.asked), declaration(file.model, scene)
-    return Record(digest, generator_state(), declared, scenes, inputs, file.unwatched)
+    return Record(digest, generator_state(), scenes, (*sources, *file.asked), file.unwatched)
 
 
 def origin(

@@ -123,7 +123,7 @@ def _execute(path: Path) -> tuple[dict[str, object], list[Path], Watch]:
         with _one_at_a_time, _fresh_imports(path.parent), contextlib.redirect_stdout(sys.stderr):
             with watched() as watch:
                 spec.loader.exec_module(module)
-            modules = [module for _, module in sorted(modules_of_user().items())]
+            modules = [module for _, module in sorted(_modules_of_user().items())]
             names = [str(path), *(str(module.__file__) for module in modules)]
             files = [*dict.fromkeys(Path(name).resolve() for name in names)]
             watch.unwatched |= dict.fromkeys(unseen_requests(files))
@@ -163,7 +163,7 @@ class _Siblings:
 @contextlib.contextmanager
 def _fresh_imports(folder: Path) -> Iterator[None]:
     """Import local files as they are now, those of `folder` first, and forget them afterwards."""
-    held, writes = modules_of_user(), sys.dont_write_bytecode
+    held, writes = _modules_of_user(), sys.dont_write_bytecode
     for name in held:
         del sys.modules[name]
     search, here, siblings = sys.path[:], Path.cwd(), _Siblings(folder)
@@ -178,12 +178,12 @@ def _fresh_imports(folder: Path) -> Iterator[None]:
         sys.meta_path[:] = [finder for finder in sys.meta_path if finder is not siblings]
         os.chdir(here)
         sys.dont_write_bytecode = writes
-        for name in modules_of_user():
+        for name in _modules_of_user():
             del sys.modules[name]
         sys.modules.update(held)
 
 
-def modules_of_user() -> dict[str, ModuleType]:
+def _modules_of_user() -> dict[str, ModuleType]:
     """Modules in use from local Python files, which can be imported once more, by their names."""
     files = {name: str(getattr(x, "__file__", "")) for name, x in [*sys.modules.items()]}
     return {

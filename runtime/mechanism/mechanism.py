@@ -305,20 +305,14 @@ def seeking(mechanism: Mechanism, unknown: tuple[str, ...]) -> Mechanism:
     """The mechanism of the same scene in which the values of these effects are sought; built."""
     known: dict[tuple[str, ...], Mechanism] = vars(mechanism).setdefault("seeking", {})
     if unknown not in known:
-        from codegen.generated_files.provenance import text_built_before
         from codegen.reading.scene_selection import declared, scene_seeking
 
         what = f"its variant with the unknown {', '.join(unknown)}"
         origin, source = mechanism.need_origin(what), mechanism.declared(what)
-        model, scene = declared(*source)
-        variant = scene_seeking(model, scene, unknown)
-        own = origin.path.stem.partition("__")[0]
-        path = scene_path(origin.path.parent, own, variant.name)
-        text = text_built_before(model, variant, path)
-        if text is None or text_built_before(model, scene, origin.path) != origin.text:
-            reports = mechanism.rebuilt(what, source[1], variant, unroll=unroll_of(origin.text))
-            path, text = next((one.path, one.text) for one in reports if one.path != origin.path)
-        known[unknown] = read_mechanism(path, text, source[0], variant)
+        variant = scene_seeking(*declared(*source), unknown)
+        reports = mechanism.rebuilt(what, source[1], variant, unroll=unroll_of(origin.text))
+        report = next(one for one in reports if one.path != origin.path)
+        known[unknown] = read_mechanism(report.path, report.text, source[0], variant)
     return known[unknown]
 
 

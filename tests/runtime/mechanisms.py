@@ -168,7 +168,7 @@ class Mechanism:
         write_whole(module, text)
         inputs = (Input("file", str(model.resolve()), source[1]),)
         scenes = (self.scene,)
-        write_record(module, Record(text_hash(text), generator_state(), "", scenes, inputs, ()))
+        write_record(module, Record(text_hash(text), generator_state(), scenes, inputs, ()))
         return model
 
 

@@ -7,12 +7,10 @@ from collections import namedtuple
 from pathlib import Path
 from types import ModuleType
 
-import numpy as np
 import pytest
 
 import codegen
-import linkwright as lw
-from codegen import Model, t
+from codegen import Model
 from codegen.errors import GeneratedFileError, ModelFileError
 from codegen.files.build_records import generator_state
 from codegen.files.generated_modules import import_generated
@@ -220,62 +218,3 @@ def test_a_file_and_a_model_in_memory_of_one_name(tmp_path: Path) -> None:
     assert fall(machine) == -1.0
     assert fall(load("mm.py", "fall", folder=tmp_path)) == -9.81
     assert fall(load(model, "fall", folder=tmp_path)) == -1.0
-
-
-@lw.element
-class Own(lw.Constraint):
-    """A joint of the user's."""
-
-    kind = "own guide"
-    name: str
-    on: tuple[lw.Body, ...]
-
-    def statement(self) -> lw.Statement:
-        """The body's x stays."""
-        return lw.Statement((self.on[0].x,), ("x",), lw.ConjugateReaction((("x", "N"),)))
-
-
-def declared(g: float, *, own: bool = False, v: float = 0.0) -> Model:
-    model = Model("kept", gravity=(0, -g))
-    body = model.body("body", 1.0, 1.0)
-    if own:
-        model.add(Own("guide", (body,)))
-    else:
-        model.point_driver("guide", body.at(0, 0), "x", 0)
-    model.point_driver("lift", body.at(0, 0), "y", 0.5 * t)
-    model.driver("upright", body.phi, 0)
-    model.force("rope", body, fy=1.0)
-    model.force("side", body, fx=1.0)
-    model.torque("twist", body, 1.0)
-    model.scene("fall", ["gravity"], start={"body.vy": v})
-    drivers = ["lift", "upright"] if own else ["guide", "lift", "upright"]
-    model.scene("lifted", ["gravity", "rope", "side", "twist"], drivers)
-    return model
-
-
-def test_a_model_in_memory_is_built_where_it_differs(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Of the same declaration a file is taken as it is, and so is that with unknown forces."""
-    built, build = [], codegen.build
-    monkeypatch.setattr(codegen, "build", lambda *a, **b: built.append(a) or build(*a, **b))
-
-    def count(model: Model, scene: object = "fall", g: float = 0.0) -> int:
-        built.clear()
-        machine = load(model, scene, folder=tmp_path)
-        if g:
-            r = machine.inverse_dynamics([0.0, 1.0], unknown=["rope", "side", "twist"])
-            assert np.allclose(r.force("rope", "fy"), g)
-        return len(built)
-
-    assert count(declared(9.0)) == 1
-    assert count(declared(9.0)) == 0
-    assert fall(load(declared(8.0), "fall", folder=tmp_path)) == -8.0
-    assert count(declared(8.0), "lifted", 8.0) == 2
-    assert count(declared(8.0), "lifted", 8.0) == 0
-    assert count(declared(7.0), "lifted", 7.0) == 2
-    assert count(declared(7.0)) == 1
-    other = declared(7.0, v=2.0).scene("fall")  # of another model
-    assert count(declared(7.0), other) == 1
-    assert count(declared(7.0)) == 1
-    assert [count(declared(7.0, own=True)) for _ in range(2)] == [1, 1]
