@@ -128,7 +128,10 @@ def _held_by_rounding(lowered: Lowered, kept: Array) -> str:
         return ""
     lengths = np.linalg.norm(rows, axis=1).clip(1e-300)  # safety: a row of zeros
     values = np.linalg.svd(rows / lengths[:, None], compute_uv=False)
-    *_, other, least = 1.0, 1.0, *values[values > 1e-12]  # measured: above rounding
+    values = values[values > 2e-11]  # measured: above that of numbers of ten digits
+    if not lowered.description.turning or len(values) < rows.shape[1]:
+        return ""  # in the plane, or free to move
+    *_, other, least = 1.0, 1.0, *values
     return bool(least < min(1e-3, 0.01 * other)) * (  # measured: three digits, apart from others
         f" The joints hold a motion by a singular value of only {least:.1g}, and "
         "would leave it free if axes and points were exact: compute these rather than round them "

@@ -53,7 +53,7 @@ def _marked(method: Callable[..., Any]) -> Callable[..., Any]:
     return call
 
 
-def named(value: object) -> str:
+def shown_element(value: object) -> str:
     """A value in a message: an element by its kind and name."""
     return label(value) if isinstance(value, Constraint | Effect) else shown(value)
 
@@ -294,7 +294,7 @@ class Declarations:
     def _point(self, name: str, place: Any) -> Point:
         point = Point(place, 0, 0) if isinstance(place, Body) else place
         if not isinstance(point, Point) or not isinstance(point.body, Body):
-            what = named(place)
+            what = shown_element(place)
             self._note(f"'{name}': {what} is neither a point nor a body; write body.at(x, y).")
             point = self.ground.at(0, 0)
         where = f"point of '{name}' on body '{point.body.name}'"
@@ -322,7 +322,7 @@ class Declarations:
         """A body, where a point means nothing."""
         if isinstance(body, Body):
             return body
-        what = f"Point of '{body.body.name}'" if isinstance(body, Point) else named(body)
+        what = f"Point of '{body.body.name}'" if isinstance(body, Point) else shown_element(body)
         self._note(f"{where}: {what} is no body; give a body as a whole.")
         return self.ground
 

@@ -12,7 +12,7 @@ from codegen.declare.element import Constraint
 from codegen.declare.space_body import Axis, SpaceBody, SpaceGround, SpacePoint
 from codegen.elements.space import composite_joints as couplers
 from codegen.elements.space import joints
-from codegen.model.base import named
+from codegen.model.base import shown_element
 from codegen.model.space_effects import Place, SpaceEffects
 from codegen.readers.values import KindError, members, shown
 
@@ -234,8 +234,8 @@ class SpaceJoints(SpaceEffects):
         point = place.at(0, 0, 0) if isinstance(place, SpaceBody) else place
         if not isinstance(point, SpacePoint) or not isinstance(point.body, SpaceBody):
             self._note(
-                f"'{name}': {named(place)} is neither a point nor a body of a machine in space; "
-                "write body.at(x, y, z)."
+                f"'{name}': {shown_element(place)} is neither a point nor a body of a machine in "
+                "space; write body.at(x, y, z)."
             )
             point = SpacePoint(self._ground, 0, 0, 0)
         where = f"point of '{name}' on body '{point.body.name}'"

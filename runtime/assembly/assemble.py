@@ -190,7 +190,8 @@ def _velocities(task: Task, start: Start, q: FloatArray) -> FloatArray:
             fault = "velocities contradict the joints"
             names = [(row.velocity, row.velocity_unit) for row in equations.description.coordinates]
             raise contradiction(task, fault, names, start.v, start.fixed_v, open_by)
-        more = ", or give more digits of axes and points" * bool(equations.description.redundant)
+        about = equations.description
+        more = ", or give more digits of axes and points" * bool(about.redundant and about.turning)
         raise AssemblyError(
             f"{equations.description.title}: no velocities satisfy joints and drivers at t = {t:g} "
             f"s: {open_by}. The position is singular for this motion; start elsewhere{more}."

@@ -20,7 +20,8 @@ _STAYED = 0.05  # measured: rad; a loop whose bodies all turn by less keeps its 
 # measured: determinant, in rows of length 1, over that at the start; a guess with a smaller ratio
 # is near to both forms of its loop
 _BETWEEN = 0.05
-_STEP, _MOST = 0.2, 300  # measured: scaled step of drivers from the drawing; steps at most
+_STEP = 0.05  # measured: of drivers from the drawing, scaled; 0.2 jumps between near branches
+_MOST = 300  # safety: such steps
 _STEPS = 5  # measured: of Gauss and Newton, towards where coordinates without a guess close best
 
 

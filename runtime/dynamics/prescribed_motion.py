@@ -324,8 +324,9 @@ def _require_driven(equations: Equations, at: Assembly, analysis: str) -> None:
     if free == 0:
         return
     slopes = equations.jacobian(at.t, at.q) * equations.scale(equations.size(at.t, at.q))
-    motions = np.linalg.svd(slopes[:, [not row.is_state for row in description.coordinates]])[2]
-    squares = np.sum(motions[-free:] ** 2, axis=0)
+    is_position = np.array([not row.is_state for row in description.coordinates])
+    squares = np.sum(np.linalg.svd(slopes[:, is_position])[2][-free:] ** 2, axis=0)
+    squares[equations.mechanism.shape["counted"][is_position] > 0] = 0.0  # of joints, not bodies
     owners = np.array([row.name.rpartition(".")[0] for row in description.positions])
     moves = {one: float(squares[owners == one].sum()) for one in owners.tolist()}
     most = [one for one in sorted(moves, key=moves.__getitem__)[:-4:-1] if moves[one] > LOST]

@@ -236,7 +236,8 @@ class Crossings:
             r["permitted"] = 1.01 * error  # rounding again: another step would fare no better
             return _GOING
         if self.tries > _TRIES:
-            self.note = f"The step across errs by {error:.1e} times the tolerance; loosen rtol."
+            way = "loosen" if error * self.rtol < _WRONG else "tighten"
+            self.note = f"The step across errs by {error:.1e} times the tolerance; {way} rtol."
             if is_late:
                 self.note = (
                     "No step across has samples that meet the constraints and balances the energy; "
