@@ -25,6 +25,8 @@ ROOMY = 96
 """Width from which on the numbers of a table have blanks beside them."""
 _RESOLUTION = 110  # layout: dots per inch of a notebook, 700 to 1000 of them across a page
 PICTURES, PAGES, MOVIES = (".png", ".svg", ".pdf"), (".html", ".htm"), (".mp4", ".gif", ".svg")
+VIEWS = ("usual", "x", "y", "z", "-x", "-y", "-z")
+"""Of stills in space: along an axis from its positive side, with - from the other."""
 STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem;
        color: #1b1f24; }

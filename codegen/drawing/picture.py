@@ -163,9 +163,6 @@ def turned(vectors: Any, p: FloatArray) -> FloatArray:
     return np.asarray(vectors + 2.0 * np.cross(e, np.cross(e, vectors) + scalar * vectors))
 
 
-VIEWS = ("usual", "x", "y", "z", "-x", "-y", "-z")
-
-
 @dataclass(frozen=True)
 class SpacePicture(Picture):
     """The same of a machine in space, with poses x, y, z, e0 … e3 of each body, (..., 7).
@@ -174,7 +171,7 @@ class SpacePicture(Picture):
     plane, and so are the points of its strokes, of whatever body.
     """
 
-    seen: str = "usual"  # of `VIEWS`: along an axis from its positive side, with - from the other
+    seen: str = "usual"  # of `presentation.VIEWS`
 
     def where(self, place: SpacePlace) -> FloatArray:
         """A place in the global frame, (..., 3), m."""

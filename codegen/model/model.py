@@ -12,7 +12,6 @@ from codegen.declare.element import Constraint, Effect, label
 from codegen.declare.returned_values import check_parts, named
 from codegen.declare.scene import Scene
 from codegen.declare.space_body import SpaceBody
-from codegen.drawing.picture import VIEWS
 from codegen.elements.registry import ACTIONS
 from codegen.errors import ModelError, NoAttributeError
 from codegen.model.base import Declared
@@ -21,7 +20,7 @@ from codegen.model.forces import Forces
 from codegen.model.scenes import Scenes
 from codegen.model.values import Values
 from codegen.object_display import html_of, html_table
-from codegen.presentation import in_pyplot
+from codegen.presentation import VIEWS, in_pyplot
 from codegen.readers import arguments as readers
 from codegen.readers.calls import declaring, named_attributes
 from codegen.readers.values import one_line, shown

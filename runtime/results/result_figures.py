@@ -5,9 +5,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from codegen.drawing.picture import VIEWS
 from codegen.errors import InputError
-from codegen.presentation import in_pyplot
+from codegen.presentation import VIEWS, in_pyplot
 from codegen.readers import arguments as readers
 from codegen.readers.calls import checked_class
 from runtime.results.series_lookup import TimeSeries

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from codegen.drawing.picture import VIEWS
 from codegen.errors import AnalysisError, InputError, ParameterError
 from codegen.parameter_conditions import profile_problems, violated_conditions
+from codegen.presentation import VIEWS
 from codegen.readers import arguments as readers
 from codegen.readers.arguments import Reader, count, either, optional
 from codegen.readers.quantities import UnitError, finite_in_unit, is_quantity
