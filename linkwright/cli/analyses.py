@@ -234,5 +234,5 @@ def _print_ends(result: "Result") -> None:
     columns = [result.series(name) for name in names]
     ends = without_rounding(values[-1] for values, _ in columns)
     for name, value, (_, unit) in zip(names, ends, columns, strict=True):
-        row = f"{name:<{max(map(len, names))}}  {value: .9g} {unit}"
-        sys.stdout.write(row.removesuffix(" 1") + "\n")
+        line = f"{name:<{max(map(len, names))}}  {value: .9g} {unit}"
+        sys.stdout.write(line.removesuffix(" 1") + "\n")
