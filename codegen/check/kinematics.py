@@ -122,15 +122,17 @@ def _jacobians_near_start(poses: Poses, kept: Array) -> Iterator[Any]:
 
 
 def _held_by_rounding(lowered: Lowered, kept: Array) -> str:
-    """A sentence on joints that would leave a motion if their numbers were exact; or nothing."""
+    """A sentence on joints in space that exact numbers would leave a motion; or nothing."""
+    if not lowered.description.turning:
+        return ""
     rows = next(_jacobians_near_start(Poses(lowered), kept))[kept > 0.0]
     if not isinstance(rows, np.ndarray):
         return ""
     lengths = np.linalg.norm(rows, axis=1).clip(1e-300)  # safety: a row of zeros
     values = np.linalg.svd(rows / lengths[:, None], compute_uv=False)
     values = values[values > 2e-11]  # measured: above that of numbers of ten digits
-    if not lowered.description.turning or len(values) < rows.shape[1]:
-        return ""  # in the plane, or free to move
+    if len(values) < rows.shape[1]:
+        return ""  # free to move
     *_, other, least = 1.0, 1.0, *values
     return bool(least < min(1e-3, 0.01 * other)) * (  # measured: three digits, apart from others
         f" The joints hold a motion by a singular value of only {least:.1g}, and "
